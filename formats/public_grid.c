@@ -66,7 +66,7 @@ static void place_nodes(const leafcast_grid *from, grid *g) {
 status public_grid_make(mem *m, const leafcast_grid *from, grid *g) {
     grid_init(g, from->dims, (sample_type)from->type);
     place_nodes(from, g);
-    status st = grid_check(g, "leafcast_grid");
+    status st = grid_check_volume(g, "leafcast_grid");
     for (int a = 0; a < 3 && st == ST_OK; a++)
         if (from->axis[a])
             st = grid_set_axis(g, m, "leafcast_grid", a, from->axis[a]);

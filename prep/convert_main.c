@@ -39,6 +39,7 @@ enum {
     KEY_MISSING,
     KEY_ORIGIN,
     KEY_EXAGGERATE,
+    KEY_HEIGHTS,
     KEY_AXES,
     KEY_UNIT,
     KEY_AXIS_X,
@@ -117,6 +118,8 @@ static const struct argp_option options[] = {
     {"missing", KEY_MISSING, "VALUE", 0,
      "this value stands for no data; integers are then kept as f32", 2},
     {"origin", KEY_ORIGIN, "X,Y,Z", 0, "world position of the first sample", 2},
+    {"heights", KEY_HEIGHTS, NULL, CLI_BASIC,
+     "a grid of one slice is terrain: its samples are elevations", 2},
     {"exaggerate", KEY_EXAGGERATE, "Z", 0,
      "factor on the world's z: where degrees stand beside metres", 2},
     {"axes", KEY_AXES, "none|LPS|RAS", 0,
@@ -175,23 +178,38 @@ static const char *const input_names[] = {INPUT_TRAIT_NAMES, [INPUT_CELLS | INPU
                                           [INPUT_LATTICE | INPUT_PLACED] = "grids"};
 
 /* What an input must be like for an option to have an effect. Options not listed work for all. */
-static const cli_use uses[] = {
-    {TRUST_KEY_LINKS, INPUT_FILES}, {TRUST_KEY_MISSING, INPUT_PARTS},
-    {KEY_TREELET, INPUT_LATTICE},   {KEY_HALO, INPUT_LATTICE},
-    {KEY_IN_PLACE, INPUT_LATTICE},  {KEY_LEVELS, INPUT_LATTICE},
-    {KEY_DIMS, INPUT_RAW},          {KEY_TYPE, INPUT_RAW},
-    {KEY_BIG_ENDIAN, INPUT_RAW},    {KEY_SKIP, INPUT_RAW},
-    {KEY_SPACING, INPUT_LATTICE},   {KEY_MISSING, INPUT_LATTICE},
-    {KEY_ORIGIN, INPUT_LATTICE},    {KEY_EXAGGERATE, INPUT_LATTICE | INPUT_PLACED},
-    {KEY_AXES, INPUT_LATTICE},      {KEY_UNIT, INPUT_LATTICE},
-    {KEY_AXIS_X, INPUT_LATTICE},    {KEY_AXIS_Y, INPUT_LATTICE},
-    {KEY_AXIS_Z, INPUT_LATTICE},    {KEY_FIELD, INPUT_CHOICES},
-    {KEY_COMPONENT, INPUT_CHOICES}, {KEY_STEP, INPUT_STEPS},
-    {KEY_STEPS, INPUT_SERIES},      {KEY_CELLS_TO_POINTS, INPUT_CELLS | INPUT_MEANS},
-    {KEY_COARSE, INPUT_ONE_LEVEL},  {KEY_TREELET_TETS, INPUT_CELLS},
-    {KEY_LEAF_TETS, INPUT_CELLS},   {KEY_BUILD, INPUT_CELLS},
-    {KEY_GRADIENTS, INPUT_CELLS},   {KEY_WHOLE, INPUT_CELLS | INPUT_MEANS},
-    {KEY_BY_CORNERS, INPUT_CELLS}};
+static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES},
+                               {TRUST_KEY_MISSING, INPUT_PARTS},
+                               {KEY_TREELET, INPUT_LATTICE},
+                               {KEY_HALO, INPUT_LATTICE},
+                               {KEY_IN_PLACE, INPUT_LATTICE},
+                               {KEY_LEVELS, INPUT_LATTICE},
+                               {KEY_DIMS, INPUT_RAW},
+                               {KEY_TYPE, INPUT_RAW},
+                               {KEY_BIG_ENDIAN, INPUT_RAW},
+                               {KEY_SKIP, INPUT_RAW},
+                               {KEY_SPACING, INPUT_LATTICE},
+                               {KEY_MISSING, INPUT_LATTICE},
+                               {KEY_HEIGHTS, INPUT_LATTICE},
+                               {KEY_ORIGIN, INPUT_LATTICE},
+                               {KEY_EXAGGERATE, INPUT_LATTICE | INPUT_PLACED},
+                               {KEY_AXES, INPUT_LATTICE},
+                               {KEY_UNIT, INPUT_LATTICE},
+                               {KEY_AXIS_X, INPUT_LATTICE},
+                               {KEY_AXIS_Y, INPUT_LATTICE},
+                               {KEY_AXIS_Z, INPUT_LATTICE},
+                               {KEY_FIELD, INPUT_CHOICES},
+                               {KEY_COMPONENT, INPUT_CHOICES},
+                               {KEY_STEP, INPUT_STEPS},
+                               {KEY_STEPS, INPUT_SERIES},
+                               {KEY_CELLS_TO_POINTS, INPUT_CELLS | INPUT_MEANS},
+                               {KEY_COARSE, INPUT_ONE_LEVEL},
+                               {KEY_TREELET_TETS, INPUT_CELLS},
+                               {KEY_LEAF_TETS, INPUT_CELLS},
+                               {KEY_BUILD, INPUT_CELLS},
+                               {KEY_GRADIENTS, INPUT_CELLS},
+                               {KEY_WHOLE, INPUT_CELLS | INPUT_MEANS},
+                               {KEY_BY_CORNERS, INPUT_CELLS}};
 
 static status set_spacing(convert_request *a, const char *text) {
     status st = num_doubles(text, "--spacing", ", ", 3, a->hints.grid.spacing);
@@ -272,6 +290,7 @@ static status set_grid(volume_hints *h, int key, const char *text) {
     case KEY_BIG_ENDIAN: h->big_endian = true; return ST_OK;
     case KEY_SKIP: return num_size(text, "--skip", &h->skip);
     case KEY_MISSING: h->has_missing = true; return num_double(text, "--missing", &h->missing);
+    case KEY_HEIGHTS: h->heights = true; return ST_OK;
     case KEY_ORIGIN: h->has_origin = true; return num_doubles(text, "--origin", ", ", 3, h->origin);
     case KEY_AXES: return set_axes(h, text);
     case KEY_UNIT: h->unit = text; return ST_OK;

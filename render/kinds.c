@@ -1,5 +1,6 @@
 #include "render/curvilinear/curvilinear_kind.h"
 #include "render/grid/grid_kind.h"
+#include "render/heights/heights_kind.h"
 #include "render/mesh/mesh_kind.h"
 #include "render/mixed/mixed_kind.h"
 #include "render/triangle/triangle_kind.h"
@@ -11,6 +12,7 @@ const kind *kind_of(const leaf_file *f) {
         [LEAF_KIND_CURVILINEAR] = &curvilinear_kind,
         [LEAF_KIND_MIXED] = &mixed_kind,
         [LEAF_KIND_TRIANGLES] = &triangle_kind,
+        [LEAF_KIND_HEIGHTS] = &heights_kind,
     };
     return kinds[f->header.kind];
 }

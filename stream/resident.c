@@ -13,6 +13,7 @@ const resident_kind *resident_kind_of(const leaf_file *f) {
         [LEAF_KIND_CURVILINEAR] = &curvilinear_resident,
         [LEAF_KIND_MIXED] = &mixed_resident,
         [LEAF_KIND_TRIANGLES] = &triangle_resident,
+        [LEAF_KIND_HEIGHTS] = &grid_resident,
     };
     return kinds[f->header.kind];
 }

@@ -67,13 +67,27 @@ static status check_place(const grid *g, const char *what) {
     return sound ? ST_OK : status_describe(ST_CORRUPT, "%s: %s", what, why);
 }
 
+static status refuse_flat(const grid *g, const char *what, int a) {
+    return status_describe(
+        ST_UNSUPPORTED, "%s: %u sample%s along %c; a volume needs at least 2 on every axis%s", what,
+        g->dims[a], g->dims[a] == 1 ? "" : "s", "xyz"[a],
+        a == 2 && g->dims[a] == 1 ? " (convert --heights makes terrain of it)" : "");
+}
+
+status grid_check_volume(const grid *g, const char *what) {
+    const status st = grid_check(g, what);
+    return st == ST_OK && g->dims[2] < 2 ? refuse_flat(g, what, 2) : st;
+}
+
+/* The axis along which a single sample may do. */
+static int thin_axis(const grid *g) {
+    return g->heights ? 1 : 2;
+}
+
 status grid_check(const grid *g, const char *what) {
     for (int a = 0; a < 3; a++) {
-        if (g->dims[a] < 2)
-            return status_describe(ST_UNSUPPORTED,
-                                   "%s: %u sample%s along %c; a volume needs at least 2 on every "
-                                   "axis",
-                                   what, g->dims[a], g->dims[a] == 1 ? "" : "s", "xyz"[a]);
+        if (g->dims[a] < 2 && !(g->dims[a] == 1 && a == thin_axis(g)))
+            return refuse_flat(g, what, a);
         if (g->dims[a] > GRID_DIM_MAX)
             return status_describe(ST_UNSUPPORTED,
                                    "%s: %u samples along %c; at most %d are supported", what,

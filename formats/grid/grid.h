@@ -34,6 +34,7 @@ typedef struct grid {
     double *axis[3]; /* rectilinear: dims[a] strictly increasing coordinates; all three NULL for a
                         regular grid */
     char name[GRID_NAME_MAX];
+    bool heights;                 /* a height field, one layer of cells thick: heights_slices.h */
     world_frame frame;            /* which way the world's axes point, and their units */
     absent_parts absent;          /* how many samples its file lacks */
     char note[GRID_NOTE_MAX];     /* what its file says but the reader did not apply; "": nothing */
@@ -59,10 +60,11 @@ CHECKED status grid_set_axis(grid *g, mem *m, const char *what, int a, const dou
  * coordinates. To replace a spacing by coordinates, make the column a unit vector before. */
 CHECKED status grid_set_axis_text(grid *g, mem *m, const char *what, int a, const char *text);
 
-/* grid_check() - check that dims are in range (a one-sample axis is refused with a clear text) and
- * the place is sound (leaf_place.h). ST_CORRUPT or ST_UNSUPPORTED, naming `what`. Every importer
- * ends with it. */
+/* grid_check() - check that dims are in range and the place is sound (leaf_place.h). ST_CORRUPT or
+ * ST_UNSUPPORTED, naming `what`. Every importer ends with it. One slice alone passes: it may be a
+ * height field. grid_check_volume() - the same, and refuse one slice. */
 CHECKED status grid_check(const grid *g, const char *what);
+CHECKED status grid_check_volume(const grid *g, const char *what);
 
 bool grid_is_rectilinear(const grid *g);
 sample_type grid_source(const grid *g);   /* returns the type of the input's samples */

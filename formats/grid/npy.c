@@ -161,6 +161,11 @@ static status set_axes(npy *n) {
     static const uint8_t steps[] = {ORDER_STEP, ORDER_Z, ORDER_Y, ORDER_X};
     volume_layout *l = n->l;
     drop_front(n);
+    if (n->axes == 2) { /* one slice */
+        memmove(n->shape + 1, n->shape, 2 * sizeof *n->shape);
+        n->shape[0] = 1;
+        n->axes = 3;
+    }
     const bool four = n->axes == 4, last = four && n->shape[3] <= NPY_NUMBERS;
     if ((n->axes != 3 && !four) || (last && l->stored.components > 1))
         return fault(n, ST_UNSUPPORTED,

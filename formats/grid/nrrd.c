@@ -165,7 +165,9 @@ static status read_sizes(nrrd *n) {
     if (st != ST_OK)
         return st;
     n->axes = (int)axes;
-    if (axes != 3 && !(axes == 4 && take_fourth_axis(n, all)))
+    if (axes == 2)
+        all[2] = 1;
+    if (axes != 2 && axes != 3 && !(axes == 4 && take_fourth_axis(n, all)))
         return header_fields_fault(&n->fields, sizes, ST_UNSUPPORTED,
                                    "\"%s\": a volume has three axes, or a fourth, first or last, "
                                    "of which \"kinds\" tells what it is: vector, RGB-color, time",

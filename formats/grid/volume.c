@@ -8,6 +8,7 @@
 #include "formats/base/num.h"
 #include "formats/base/text.h"
 #include "formats/grid/grid_reader.h"
+#include "formats/grid/heights_slices.h"
 #include "formats/grid/imported.h"
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/metaimage.h"
@@ -99,14 +100,28 @@ static status apply_axis_file(slice_source *from, int a, const char *path) {
     return st;
 }
 
+/* The grid's axis that the user calls x, y or z: a height field's y is its third. */
+static int axis_of(const grid *g, int a) {
+    return g->heights && a > 0 ? 3 - a : a;
+}
+
+static status apply_axis(slice_source *from, int a, const char *path) {
+    if (!path)
+        return ST_OK;
+    if (!from->g.heights)
+        return apply_axis_file(from, a, path);
+    return status_describe(ST_USAGE, "%s: a height field has even spacings, no file of coordinates",
+                           from->name);
+}
+
 static status apply_hints(slice_source *from, const volume_hints *hints) {
     for (int a = 0; a < 3; a++) {
         /* Apply coordinates first: they set the axis' step, which the hint replaces. */
-        status st = hints->axis_file[a] ? apply_axis_file(from, a, hints->axis_file[a]) : ST_OK;
+        status st = apply_axis(from, a, hints->axis_file[a]);
         if (st != ST_OK)
             return st;
         if (hints->spacing[a] != 0)
-            apply_spacing(&from->g, a, hints->spacing[a]);
+            apply_spacing(&from->g, axis_of(&from->g, a), hints->spacing[a]);
         if (hints->unit)
             world_frame_set_unit(&from->g.frame, a, hints->unit);
     }
@@ -158,6 +173,8 @@ static status open_layout(const grid_reader *r, volume_layout *l, const volume_h
     status st = r->layout(l, hints);
     if (st == ST_OK)
         st = volume_layout_settle(l, hints);
+    if (st == ST_OK && hints->heights)
+        heights_layout(l);
     if (st == ST_OK)
         st = volume_layout_check(l);
     return st == ST_OK ? layout_slices_open(l, out) : st;
@@ -180,12 +197,14 @@ static status open_reader(volume_layout *l, const volume_hints *hints, slice_sou
 
 /* Apply the hints. v->from must be set. */
 static status begin(volume *v, const volume_hints *hints) {
-    status st = apply_hints(&v->from, hints);
+    status st = hints->heights ? heights_slices(&v->from) : ST_OK;
+    if (st == ST_OK)
+        st = apply_hints(&v->from, hints);
     v->g = v->from.g;
     if (st == ST_OK)
         st = apply_missing(v, hints);
     if (st == ST_OK)
-        st = grid_check(&v->g, v->from.name);
+        st = grid_check_volume(&v->g, v->from.name);
     /* The file's own place was sound, so the options are at fault. */
     if (st == ST_CORRUPT && (hints->has_origin || hints->spacing[0] != 0 || hints->exaggerate != 0))
         st = ST_USAGE;

@@ -20,6 +20,7 @@ typedef struct volume_hints {
                           negative */
     double origin[3];  /* world position of node (0, 0, 0) */
     bool has_origin;
+    bool heights;      /* a grid of one slice is a field of elevations (heights_slices.h) */
     double exaggerate; /* scales the world's z (> 0), where degrees stand beside metres. An origin
                           given here stays where it is */
     bool has_axes; /* `axes` is given: which way the world's axes point, whatever the file says */

@@ -8,19 +8,27 @@
 #include "formats/leaf/leaf_stats.h"
 #include "formats/leaf/outside_samples.h"
 
-/* Bytes of all samples of level 0 before compression. */
+static bool is_heights(const leaf_file *f) {
+    return f->header.kind == LEAF_KIND_HEIGHTS;
+}
+
+/* Bytes of all samples of level 0 before compression; of a height field, as its input has them. */
 static double raw_bytes(const leaf_file *f) {
     const leaf_header *h = &f->header;
-    return (double)h->dims[0] * h->dims[1] * h->dims[2] * (double)sample_size(f->layout.type) *
-           f->layout.sets;
+    return (double)h->dims[0] * (is_heights(f) ? 1 : h->dims[1]) * h->dims[2] *
+           (double)sample_size(f->layout.type) * f->layout.sets;
 }
 
 static void tell_samples(const leaf_file *f, const fact_sheet *to) {
     const leaf_header *h = &f->header;
     const bool other = h->source_type != h->sample_type;
     const char *source = sample_name((sample_type)h->source_type);
-    fact_sheet_line(to, "grid", "%u x %u x %u %s%s%s", h->dims[0], h->dims[1], h->dims[2],
-                    sample_name(f->layout.type), other ? " from " : "", other ? source : "");
+    if (is_heights(f))
+        fact_sheet_line(to, "heights", "%u x %u %s%s%s", h->dims[0], h->dims[2],
+                        sample_name(f->layout.type), other ? " from " : "", other ? source : "");
+    else
+        fact_sheet_line(to, "grid", "%u x %u x %u %s%s%s", h->dims[0], h->dims[1], h->dims[2],
+                        sample_name(f->layout.type), other ? " from " : "", other ? source : "");
     fact_sheet_wholes(to, "dims", h->dims, 3);
     fact_sheet_text(to, "sample_type", sample_name(f->layout.type));
     fact_sheet_text(to, "source_type", source);
@@ -152,3 +160,10 @@ const leaf_teller grid_facts = {.name = "grid",
                                 .has_levels = true,
                                 .tell = tell,
                                 .tell_parts = tell_parts};
+
+const leaf_teller heights_facts = {.name = "heights",
+                                   .cells = "cells",
+                                   .drawn = "samples",
+                                   .has_levels = true,
+                                   .tell = tell,
+                                   .tell_parts = tell_parts};

@@ -5,5 +5,6 @@
 #include "formats/leaf/leaf_tell.h"
 
 extern const leaf_teller grid_facts;
+extern const leaf_teller heights_facts; /* of a height field, a grid of one layer of cells */
 
 #endif

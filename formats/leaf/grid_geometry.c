@@ -14,13 +14,15 @@
 /* ---- The header ---- */
 
 static status check_parameters(const char *path, const leaf_header *h) {
+    const bool heights = h->kind == LEAF_KIND_HEIGHTS;
     const bool one = h->codec == LEAF_CODEC_ZSTD && h->fields == 1 && h->steps == 1;
     const leaf_field fields[] = {
         LEAF_FIELD(h, cells_log2, LEAF_CELLS_LOG2_MIN, LEAF_CELLS_LOG2_MAX),
         LEAF_FIELD(h, halo, 0, 1),
         LEAF_FIELD(h, block_log2, LEAF_BLOCK_LOG2, LEAF_BLOCK_LOG2),
-        LEAF_FIELD(h, rectilinear, 0, 1),
-        LEAF_FIELD(h, outside, 0, one ? LEAF_IN_SLICES : 0),
+        LEAF_FIELD(h, rectilinear, 0, !heights),
+        LEAF_FIELD(h, outside, 0, one && !heights ? LEAF_IN_SLICES : 0),
+        LEAF_FIELD(h, dims[1], heights ? 2 : 0, heights ? 2 : UINT32_MAX),
         LEAF_FIELD(h, bare, 0, h->levels > 1),
         LEAF_FIELD(h, outside_chunks, 0, h->outside ? UINT32_MAX : 0),
         LEAF_FIELD(h, fields, 1, LEAF_SETS_MAX),

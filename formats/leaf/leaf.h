@@ -54,8 +54,9 @@ typedef enum leaf_kind {
     LEAF_KIND_GRID = 1,
     LEAF_KIND_MESH = 2,
     LEAF_KIND_CURVILINEAR = 3,
-    LEAF_KIND_MIXED = 4,    /* hexahedra, wedges, pyramids, tets: mixed_geometry.h */
-    LEAF_KIND_TRIANGLES = 5 /* a surface: triangle_geometry.h */
+    LEAF_KIND_MIXED = 4,     /* hexahedra, wedges, pyramids, tets: mixed_geometry.h */
+    LEAF_KIND_TRIANGLES = 5, /* a surface: triangle_geometry.h */
+    LEAF_KIND_HEIGHTS = 6    /* elevations, as a grid of one layer of cells: HEIGHTS.md */
 } leaf_kind;
 /* With a compressed codec, a mesh's payload that would not get smaller is stored raw; its stored
  * size shows this. A grid's is always a code (FORMAT.md 10). */

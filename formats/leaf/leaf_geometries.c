@@ -12,6 +12,7 @@ const leaf_geometry *leaf_geometry_of(uint32_t kind) {
         [LEAF_KIND_CURVILINEAR] = &curvilinear_geometry,
         [LEAF_KIND_MIXED] = &mixed_geometry,
         [LEAF_KIND_TRIANGLES] = &triangle_geometry,
+        [LEAF_KIND_HEIGHTS] = &grid_geometry,
     };
     return kind < sizeof geometries / sizeof *geometries ? geometries[kind] : NULL;
 }

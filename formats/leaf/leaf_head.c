@@ -24,7 +24,7 @@ static void fill_common(leaf_header *h, const leaf_layout *l, const leaf_paramet
 void leaf_head_grid(leaf_header *h, const leaf_layout *l, const leaf_parameters *p, const grid *g,
                     const leaf_sets *sets) {
     fill_common(h, l, p);
-    h->kind = LEAF_KIND_GRID;
+    h->kind = g->heights ? LEAF_KIND_HEIGHTS : LEAF_KIND_GRID;
     h->source_type = grid_source(g);
     memcpy(h->dims, g->dims, sizeof h->dims);
     h->cells_log2 = p->cells_log2;

@@ -12,6 +12,7 @@ const leaf_teller *leaf_teller_of(const leaf_file *f) {
         [LEAF_KIND_CURVILINEAR] = &curvilinear_facts,
         [LEAF_KIND_MIXED] = &mixed_facts,
         [LEAF_KIND_TRIANGLES] = &triangle_facts,
+        [LEAF_KIND_HEIGHTS] = &heights_facts,
     };
     const uint32_t kind = f->header.kind;
     return kind < sizeof tellers / sizeof *tellers ? tellers[kind] : &leaf_tell_other;

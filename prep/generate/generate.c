@@ -96,7 +96,7 @@ static status run(mem *m, job *j) {
 }
 
 status generate_volume(mem *m, const grid *g, const generate_options *options, const progress *p) {
-    status st = grid_check(g, options->output);
+    status st = grid_check_volume(g, options->output);
     if (st == ST_OK)
         st = generate_steps_check(options->output, options->steps, options->force);
     if (st != ST_OK)

@@ -7,8 +7,9 @@
 
 static status check_grid(const char *input, const leaf_file *f, const grid *g) {
     const leaf_header *h = &f->header;
-    if (h->kind != LEAF_KIND_GRID)
-        return further_step_refuse(f, input, "it is a grid, and the file is of none");
+    if (h->kind != (g->heights ? LEAF_KIND_HEIGHTS : LEAF_KIND_GRID))
+        return further_step_refuse(f, input, "it is a %s, and the file is of none",
+                                   g->heights ? "height field" : "grid");
     if (memcmp(h->dims, g->dims, sizeof h->dims) != 0)
         return further_step_refuse(f, input, "it has %u x %u x %u samples, expected %u x %u x %u",
                                    g->dims[0], g->dims[1], g->dims[2], h->dims[0], h->dims[1],

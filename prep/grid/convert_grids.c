@@ -182,7 +182,18 @@ static status begin_series(convert_request *a, mem *m, grid_series *series, inpu
     return st;
 }
 
+/* Terrain has large treelets, as they are thin. It has no halo: its normals are the patches' own.
+ * It is compressed, as a raw file would have each height twice. */
+static void prepare_heights(convert_request *a) {
+    if (!a->codec_is_given)
+        leaf_parameters_compress(&a->file, 1);
+    a->file.cells_log2 = a->treelet_is_given ? a->file.cells_log2 : LEAF_CELLS_LOG2_MAX;
+    a->file.halo = a->halo_is_given ? a->file.halo : 0;
+}
+
 static status run(convert_request *a, mem *m, input *in, double start) {
+    if (a->hints.grid.heights)
+        prepare_heights(a);
     status st = convert_grid_sets(&a->sets, in->own, a->common.input);
     if (st == ST_OK)
         st = convert_request_times(a);

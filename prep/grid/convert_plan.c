@@ -115,7 +115,7 @@ static uint64_t family_size(const leaf_layout *l, const sort *x, const sort *y, 
 /* Bytes in front of the payloads. */
 static uint64_t directory_size(const leaf_layout *l, const grid *g, const convert_options *o) {
     const leaf_sets *sets = o->series ? &o->series->of.sets : NULL;
-    const leaf_header h = {.kind = LEAF_KIND_GRID,
+    const leaf_header h = {.kind = g->heights ? LEAF_KIND_HEIGHTS : LEAF_KIND_GRID,
                            .version = LEAF_VERSION,
                            .codec = o->file.codec,
                            .halo = l->halo,

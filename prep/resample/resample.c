@@ -129,7 +129,7 @@ status resample_grid_choose(const resample_wish *w, const float bounds[6], const
         out->to_world[a][3] = g->origin[a];
     }
     memcpy(out->name, name, strnlen(name, sizeof out->name - 1));
-    return grid_check(out, "the grid");
+    return grid_check_volume(out, "the grid");
 }
 
 /* ---- memory ---- */

@@ -47,17 +47,18 @@ static bool say_absent(const render_options *o, const render_job *job, const vie
 static void say_empty(const render_options *o, render_job *job, const view_options *view,
                       const leafcast_stats *t) {
     const bool any = say_absent(o, job, view);
+    const char *what = view->is_surface ? "nothing in the picture: the surface is"
+                                     : "no surface in the picture: there is one, but";
     /* A pixel that is provisional may have one. */
     if (t->covered_pixels > 0 || t->provisional_pixels > 0 || view_options_any_filled(view))
         return;
     job->empty++;
     if (any)
-        cli_note(&o->common, 1,
-                 "no surface in the picture: there is one, but outside of the camera's view, or "
-                 "clipped away");
+        cli_note(&o->common, 1, "%s outside of the camera's view, or clipped away", what);
 }
 
-static void say_suggested(const render_options *o, const script_frame *frame) {
+static void say_suggested(const render_options *o, const render_job *job,
+                          const script_frame *frame) {
     char value[NUM_TEXT_MAX], others[LEAFCAST_SUGGESTIONS_MAX * NUM_TEXT_MAX + 16] = "";
     if (frame->suggestions == 0)
         return;
@@ -135,7 +136,7 @@ static void say_done(const render_options *o, const script_frame *frame, const r
 status render_picture_draw(const render_options *o, render_job *job, const script_frame *frame,
                            json_t **stats) {
     render_stats s;
-    say_suggested(o, frame);
+    say_suggested(o, job, frame);
     say_aside(o, job, frame);
     status st = render_job_draw(job, frame, &s);
     if (st)

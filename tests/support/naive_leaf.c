@@ -68,7 +68,7 @@ static bool read_header(naive_leaf *leaf) {
     static const unsigned char magic[8] = {0x89, 0x4c, 0x45, 0x41, 0x46, 0x0d, 0x0a, 0x1a};
     /* offset, lowest and highest value of what the file of a grid may say */
     static const uint64_t ranges[][3] = {
-        {8, 4, 4},        {12, 1, 1},       {16, 1, 5},  {20, 1, 11},  {24, 2, 1 << 20},
+        {8, 4, 4},        {12, 1, 6},       {16, 1, 5},  {20, 1, 11},  {24, 2, 1 << 20},
         {28, 2, 1 << 20}, {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6},   {44, 0, 1},
         {48, 2, 2},       {52, 6, 21},      {56, 0, 1},  {60, 0, 1},   {64, 1, 65536},
         {68, 1, 65536},   {72, 1, 64},      {76, 0, 2},  {1496, 0, 1},
@@ -83,6 +83,10 @@ static bool read_header(naive_leaf *leaf) {
                          (unsigned long long)value);
     }
     take_fields(leaf);
+    leaf->heights = naive_number(b + 12, 4) == 6;
+    if (naive_number(b + 12, 4) != 1 &&
+        (!leaf->heights || leaf->dims[1] != 2 || leaf->rectilinear || leaf->outside))
+        return wrong(leaf, "kind %d", (int)naive_number(b + 12, 4));
     if (leaf->sets > 65536)
         return wrong(leaf, "%ld fields at %ld steps", leaf->fields, leaf->steps);
     if (leaf->outside &&
@@ -534,9 +538,22 @@ bool naive_leaf_read(naive_leaf *leaf, const char *path, long set) {
     return good && check_merged(leaf) && check_values(leaf, &t);
 }
 
+/* Both sides of the layer of cells of a height field have the same samples. */
+static bool check_heights(naive_leaf *leaf) {
+    for (int v = 0; leaf->heights && v < (leaf->bare ? 1 : leaf->levels); v++) {
+        const naive_level *l = &leaf->level[v];
+        const size_t row = (size_t)l->nodes[0] * sizeof *l->samples;
+        for (long k = 0; k < l->nodes[2]; k++)
+            if (memcmp(l->samples + 2 * k * l->nodes[0], l->samples + (2 * k + 1) * l->nodes[0],
+                       row) != 0)
+                return wrong(leaf, "level %d: two heights at row %ld", v, k);
+    }
+    return true;
+}
+
 bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set) {
     memset(leaf, 0, sizeof *leaf);
-    return read_file(leaf, path) && naive_leaf_read(leaf, path, set);
+    return read_file(leaf, path) && naive_leaf_read(leaf, path, set) && check_heights(leaf);
 }
 
 bool naive_leaf_load(naive_leaf *leaf, const char *path) {

@@ -51,6 +51,7 @@ typedef struct naive_leaf {
     long dims[3];
     int levels, cells_log2, halo, run_align_log2, codec;
     bool rectilinear, outside, bare;
+    bool heights;   /* HEIGHTS.md */
     bool in_slices; /* each slice outside in a file of its own */
     long outside_chunks;
     double value_min, value_max, rounding_error, to_world[3][4];

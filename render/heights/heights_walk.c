@@ -1,0 +1,262 @@
+#include "render/heights/heights_walk.h"
+
+/* ---- Nodes on the way ---- */
+
+typedef struct quad_child {
+    double t_in, t_out;
+    unsigned octant; /* x + 4z, as in the directory */
+} quad_child;
+
+/* Set children[] to those that the ray passes, in order. Returns their number, 1 to 3. A crossing
+ * at the interval's very start counts as still to come, so that visits without length are kept. */
+static int quad_step(const ray *r, const double middle[2], double t_in, double t_out,
+                     quad_child children[3]) {
+    double t[2];
+    int order[2], crossings = 0;
+    unsigned octant = 0;
+    for (int a = 0; a < 2; a++) {
+        const double d = r->d[2 * a];
+        if (d == 0.0) {
+            octant |= (unsigned)(r->held[2 * a] >= middle[a]) << 2 * a;
+            continue;
+        }
+        t[a] = (middle[a] - r->o[2 * a]) / d;
+        const bool to_come = t[a] >= t_in;
+        octant |= (unsigned)(to_come == (d < 0.0)) << 2 * a;
+        if (to_come && t[a] <= t_out)
+            order[crossings++] = a;
+    }
+    if (crossings == 2 && t[1] < t[0]) {
+        order[0] = 1;
+        order[1] = 0;
+    }
+    double from = t_in;
+    for (int i = 0; i < crossings; i++) {
+        children[i] = (quad_child){from, t[order[i]], octant};
+        from = t[order[i]];
+        octant ^= 1U << 2 * order[i];
+    }
+    children[crossings] = (quad_child){from, t_out, octant};
+    return crossings + 1;
+}
+
+/* Whether the ray's elevation between two t may be in a range. */
+static inline bool meets(const ray *r, double t_in, double t_out, double least, double most) {
+    const double a = r->o[1] + t_in * r->d[1], b = r->o[1] + t_out * r->d[1];
+    const double slack =
+        0x1p-48 * (fabs(r->o[1]) + heights_most(fabs(a), fabs(b)) + fabs(least) + fabs(most));
+    return !(heights_least(a, b) > most + slack || heights_most(a, b) < least - slack);
+}
+
+/* ---- In a treelet ---- */
+
+typedef struct walk_node {
+    double t_in, t_out;
+    uint32_t first[2]; /* its first cell, in the treelet */
+    uint32_t log2;     /* 2^log2 cells on a side */
+    uint32_t morton;   /* among the nodes of its size, down to blocks */
+} walk_node;
+
+enum { WALK_STACK = 3 * (LEAF_CELLS_LOG2_MAX + 1) };
+
+static void try_cell(const heights_block *b, const walk_node *n, const ray *r, trace_state *state,
+                     ray_counters *counters) {
+    heights_patch p;
+    heights_root roots[2];
+    if (!heights_block_patch(b, n->first[0], n->first[1], &p))
+        return;
+    counters->cells++;
+    const int count = heights_patch_roots(&p, r, roots);
+    for (int i = 0; i < count; i++) {
+        const hit h = {roots[i].t, heights_block_cell(b, n->first[0], n->first[1]), 0,
+                       roots[i].entering};
+        if (h.t < r->t0 || h.t > r->t1 || !hit_less(&state->after, &h) ||
+            !hit_less(&h, &state->best))
+            continue;
+        counters->roots++;
+        state->best = h;
+    }
+}
+
+static bool in_reach(const heights_block *b, const walk_node *n, const ray *r) {
+    const uint32_t *cells = b->of->shape.cells;
+    double range[2];
+    if (n->first[0] >= cells[0] || n->first[1] >= cells[2])
+        return false;
+    const uint32_t depth = b->of->shape.node_levels + LEAF_BLOCK_LOG2 - n->log2;
+    if (n->log2 < LEAF_BLOCK_LOG2 || depth == 0)
+        return true;
+    return heights_block_range(b, depth, n->morton, range) &&
+           meets(r, n->t_in, n->t_out, range[0], range[1]);
+}
+
+/* Lower state->best to the first hit in the treelet. octants: the eighths to look at. */
+static bool walk_block(const heights_block *b, const ray *r, double t_in, double t_out,
+                       unsigned octants, trace_state *state, ray_counters *counters) {
+    const hit before = state->best;
+    const uint32_t log2 = b->of->shape.node_levels + LEAF_BLOCK_LOG2;
+    walk_node stack[WALK_STACK];
+    int top = 0;
+    stack[top++] = (walk_node){t_in, t_out, {0, 0}, log2, 0};
+    while (top > 0) {
+        const walk_node n = stack[--top];
+        if (n.t_in > state->best.t)
+            break;
+        if (!in_reach(b, &n, r))
+            continue;
+        if (n.log2 == 0) {
+            try_cell(b, &n, r, state, counters);
+            continue;
+        }
+        const uint32_t half = 1U << (n.log2 - 1);
+        const double middle[2] = {(double)(b->of->first_cell[0] + n.first[0] + half) * b->size,
+                                  (double)(b->of->first_cell[2] + n.first[1] + half) * b->size};
+        quad_child children[3];
+        counters->nodes++;
+        for (int i = quad_step(r, middle, n.t_in, n.t_out, children); i-- > 0;) {
+            const unsigned o = children[i].octant;
+            if (n.log2 == log2 && !(octants >> o & 1U))
+                continue;
+            stack[top++] = (walk_node){children[i].t_in,
+                                       children[i].t_out,
+                                       {n.first[0] + (o & 1U) * half, n.first[1] + (o >> 2) * half},
+                                       n.log2 - 1,
+                                       n.morton << 3 | o};
+        }
+    }
+    return hit_less(&state->best, &before);
+}
+
+/* ---- The directory ---- */
+
+typedef struct passage {
+    double t_in, t_out;
+    uint32_t t, octants; /* octants: not 0: these eighths of the treelet stand in for others */
+} passage;
+
+enum { PASSAGES_MAX = 3 * LEAF_LEVELS_MAX };
+
+static bool drawn(const tracer *tr, const passage *p) {
+    return p->octants || tr->layout->level_of[p->t] == tr->target_level ||
+           (tr->stop && tr->stop[p->t]);
+}
+
+/* In a preview, let a treelet stand in for its child that is absent. Returns whether anything is
+ * drawn. */
+static bool stand_in(const tracer *tr, const passage *of, unsigned octant, passage *child,
+                     bool *provisional) {
+    if (!tr->preview || !tr->treelets->own[child->t] || loader_lookup(tr->treelets, child->t))
+        return true;
+    *provisional = true;
+    child->t = of->t;
+    child->octants = 1U << octant;
+    return loader_lookup(tr->treelets, of->t) != NULL;
+}
+
+static int push(const tracer *tr, const ray *r, const passage *p, passage *stack, int top,
+                bool *provisional) {
+    const leaf_layout *l = tr->layout;
+    const float(*ranges)[2] =
+        (const float(*)[2])tr->treelets->file->ranges + leaf_layout_samples(l, tr->set, 0);
+    const unsigned active = tr->treelets->children[p->t], there = leaf_layout_children(l, p->t);
+    const uint32_t level = l->level_of[p->t], half = 1U << (l->cells_log2 - 1);
+    double middle[2];
+    quad_child children[3];
+    for (int a = 0; a < 2; a++)
+        middle[a] = ldexp((double)((l->place[p->t][2 * a] << l->cells_log2) + half), (int)level);
+    for (int i = quad_step(r, middle, p->t_in, p->t_out, children); i-- > 0;) {
+        const unsigned o = children[i].octant;
+        if (!(active >> o & 1U))
+            continue;
+        passage child = {
+            children[i].t_in, children[i].t_out,
+            l->first_child[p->t] + (uint32_t)__builtin_popcount(there & ((1U << o) - 1U)), 0};
+        const float *range = ranges[child.t];
+        if (meets(r, child.t_in, child.t_out, (double)range[0], (double)range[1]) &&
+            stand_in(tr, p, o, &child, provisional))
+            stack[top++] = child;
+    }
+    return top;
+}
+
+static void walk_treelet_at(const tracer *tr, const treelet *at, const passage *p, const ray *r,
+                            trace_state *state, ray_counters *counters) {
+    const heights_block b = heights_block_of(tr, at);
+    if (walk_block(&b, r, p->t_in, p->t_out, p->octants ? p->octants : 255U, state, counters) &&
+        !state->any)
+        state->point = heights_hit_surface(tr, at, r, &state->best);
+}
+
+trace_result heights_walk_next(const tracer *tr, const ray *r, trace_state *state,
+                               ray_counters *counters) {
+    double t_in = heights_most(heights_most(r->t0, state->after.t), state->t_from);
+    double t_out = r->t1;
+    /* When resuming, everything in front of the treelet that blocked has been walked. */
+    bool resuming = state->blocked != LEAF_NO_TREELET;
+    passage stack[PASSAGES_MAX];
+    int top = 0;
+    if (tracer_box(tr, r, &t_in, &t_out))
+        stack[top++] = (passage){t_in, t_out, 0, 0};
+    while (top > 0) {
+        const passage p = stack[--top];
+        if (p.t_in > state->best.t)
+            break;
+        if (!drawn(tr, &p)) {
+            counters->nodes++;
+            top = push(tr, r, &p, stack, top, &state->provisional);
+            continue;
+        }
+        if (!tr->treelets->own[p.t] || (resuming && !tracer_resumes(tr, p.t, state->blocked)))
+            continue;
+        const treelet *at =
+            tracer_enter(tr, p.t, p.t_in, &state->t_from, &state->blocked, &state->provisional);
+        if (!at && state->blocked != LEAF_NO_TREELET)
+            return TRACE_BLOCKED;
+        resuming = false;
+        if (at)
+            walk_treelet_at(tr, at, &p, r, state, counters);
+    }
+    return hit_exists(&state->best) ? TRACE_HIT : TRACE_MISS;
+}
+
+/* ---- Surfaces ---- */
+
+/* A bound of the distance between a computed point of the ray and the true one, along an axis. */
+static double position_error(const affine *space, const ray *r, double t, int a) {
+    double sum = fabs(r->o[a]) + fabs(t * r->d[a]);
+    for (int i = 0; i < 3; i++) {
+        double world = fabs(space->to_world[i][3]);
+        for (int b = 0; b < 3; b++)
+            world += fabs(space->to_world[i][b]) * (fabs(r->o[b]) + fabs(t * r->d[b]));
+        sum += fabs(space->to_grid[a][i]) * world;
+    }
+    return 4.0 * DBL_EPSILON * sum;
+}
+
+surface_point heights_hit_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h) {
+    const heights_field *field = tr->own;
+    const heights_block b = heights_block_of(tr, at);
+    const uint32_t i = (uint32_t)(h->cell % b.cells[0]), k = (uint32_t)(h->cell / b.cells[0]);
+    heights_patch p;
+    surface_point out = {.span = b.size * heights_least(field->unit[0], field->unit[2])};
+    (void)heights_block_patch(&b, i - b.of->first_cell[0], k - b.of->first_cell[2], &p);
+    const double u = heights_share(r->o[0], r->d[0], h->t, p.x, p.inverse);
+    const double v = heights_share(r->o[2], r->d[2], h->t, p.z, p.inverse);
+    const double slope[3] = {((p.h[1] - p.h[0]) * (1.0 - v) + (p.h[3] - p.h[2]) * v) * p.inverse,
+                             -1.0,
+                             ((p.h[2] - p.h[0]) * (1.0 - u) + (p.h[3] - p.h[1]) * u) * p.inverse};
+    double most = 0.0, length = 0.0;
+    for (int c = 0; c < 4; c++)
+        most = heights_most(most, fabs(p.h[c]));
+    out.error = 32.0 * DBL_EPSILON * most;
+    for (int a = 0; a < 3; a++)
+        out.error += fabs(slope[a]) * position_error(&tr->space, r, h->t, a);
+    affine_gradient_to_world(&tr->space, slope, out.gradient);
+    for (int a = 0; a < 3; a++)
+        length += out.gradient[a] * out.gradient[a];
+    length = sqrt(length);
+    for (int a = 0; a < 3; a++)
+        out.normal[a] = (float)(-out.gradient[a] / length);
+    out.value = heights_patch_at(p.h, u, v);
+    return out;
+}
