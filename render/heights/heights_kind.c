@@ -50,9 +50,6 @@ static void heights_describe(const leafcast *v, leafcast_info *info) {
     const leaf_header *h = &v->file->header;
     double corners[8][3];
     info->abilities = LEAFCAST_ABILITY_LEVELS | LEAFCAST_ABILITY_GIVEN;
-    info->dims[0] = h->dims[0];
-    info->dims[1] = h->dims[2];
-    info->dims[2] = 1;
     info->nodes = (uint64_t)h->dims[0] * h->dims[2];
     info->cells = (uint64_t)(h->dims[0] - 1) * (h->dims[2] - 1);
     info->cell_size = sqrt(affine_unit(&v->space, 0) * affine_unit(&v->space, 2));
@@ -264,7 +261,7 @@ static status heights_cell_corners(leafcast *v, uint32_t level, uint64_t number,
     for (int c = 0; c < 4; c++) {
         const double node[3] = {p.x + (c & 1 ? p.size : 0.0), p.h[c], p.z + (c & 2 ? p.size : 0.0)};
         affine_point_to_world(&v->space, node, out->position[c]);
-        out->value[c] = p.h[c];
+        out->value[c] = (float)p.h[c];
     }
     return ST_OK;
 }

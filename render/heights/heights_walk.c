@@ -1,5 +1,7 @@
 #include "render/heights/heights_walk.h"
 
+#include "render/heights/heights_way.h"
+
 /* ---- Nodes on the way ---- */
 
 typedef struct quad_child {
@@ -50,78 +52,25 @@ static inline bool meets(const ray *r, double t_in, double t_out, double least, 
 
 /* ---- In a treelet ---- */
 
-typedef struct walk_node {
-    double t_in, t_out;
-    uint32_t first[2]; /* its first cell, in the treelet */
-    uint32_t log2;     /* 2^log2 cells on a side */
-    uint32_t morton;   /* among the nodes of its size, down to blocks */
-} walk_node;
-
-enum { WALK_STACK = 3 * (LEAF_CELLS_LOG2_MAX + 1) };
-
-static void try_cell(const heights_block *b, const walk_node *n, const ray *r, trace_state *state,
-                     ray_counters *counters) {
-    heights_patch p;
-    heights_root roots[2];
-    if (!heights_block_patch(b, n->first[0], n->first[1], &p))
-        return;
-    counters->cells++;
-    const int count = heights_patch_roots(&p, r, roots);
-    for (int i = 0; i < count; i++) {
-        const hit h = {roots[i].t, heights_block_cell(b, n->first[0], n->first[1]), 0,
-                       roots[i].entering};
-        if (h.t < r->t0 || h.t > r->t1 || !hit_less(&state->after, &h) ||
-            !hit_less(&h, &state->best))
-            continue;
-        counters->roots++;
-        state->best = h;
-    }
-}
-
-static bool in_reach(const heights_block *b, const walk_node *n, const ray *r) {
-    const uint32_t *cells = b->of->shape.cells;
-    double range[2];
-    if (n->first[0] >= cells[0] || n->first[1] >= cells[2])
-        return false;
-    const uint32_t depth = b->of->shape.node_levels + LEAF_BLOCK_LOG2 - n->log2;
-    if (n->log2 < LEAF_BLOCK_LOG2 || depth == 0)
-        return true;
-    return heights_block_range(b, depth, n->morton, range) &&
-           meets(r, n->t_in, n->t_out, range[0], range[1]);
-}
-
-/* Lower state->best to the first hit in the treelet. octants: the eighths to look at. */
-static bool walk_block(const heights_block *b, const ray *r, double t_in, double t_out,
-                       unsigned octants, trace_state *state, ray_counters *counters) {
+bool heights_walk_block(const heights_block *b, const ray *r, double t_in, double t_out,
+                        unsigned octants, trace_state *state, ray_counters *counters) {
     const hit before = state->best;
-    const uint32_t log2 = b->of->shape.node_levels + LEAF_BLOCK_LOG2;
-    walk_node stack[WALK_STACK];
-    int top = 0;
-    stack[top++] = (walk_node){t_in, t_out, {0, 0}, log2, 0};
-    while (top > 0) {
-        const walk_node n = stack[--top];
-        if (n.t_in > state->best.t)
-            break;
-        if (!in_reach(b, &n, r))
-            continue;
-        if (n.log2 == 0) {
-            try_cell(b, &n, r, state, counters);
-            continue;
-        }
-        const uint32_t half = 1U << (n.log2 - 1);
-        const double middle[2] = {(double)(b->of->first_cell[0] + n.first[0] + half) * b->size,
-                                  (double)(b->of->first_cell[2] + n.first[1] + half) * b->size};
-        quad_child children[3];
-        counters->nodes++;
-        for (int i = quad_step(r, middle, n.t_in, n.t_out, children); i-- > 0;) {
-            const unsigned o = children[i].octant;
-            if (n.log2 == log2 && !(octants >> o & 1U))
+    heights_way w;
+    heights_patch p;
+    int cell[2];
+    heights_way_begin(&w, b, r, t_in, t_out, octants);
+    while (heights_way_next(&w, state->best.t, cell, &p)) {
+        heights_root roots[2];
+        const int count = heights_patch_roots(&p, r, roots);
+        counters->cells++;
+        for (int i = 0; i < count; i++) {
+            const hit h = {roots[i].t, heights_block_cell(b, (uint32_t)cell[0], (uint32_t)cell[1]),
+                           0, roots[i].entering};
+            if (h.t < r->t0 || h.t > r->t1 || !hit_less(&state->after, &h) ||
+                !hit_less(&h, &state->best))
                 continue;
-            stack[top++] = (walk_node){children[i].t_in,
-                                       children[i].t_out,
-                                       {n.first[0] + (o & 1U) * half, n.first[1] + (o >> 2) * half},
-                                       n.log2 - 1,
-                                       n.morton << 3 | o};
+            counters->roots++;
+            state->best = h;
         }
     }
     return hit_less(&state->best, &before);
@@ -182,7 +131,8 @@ static int push(const tracer *tr, const ray *r, const passage *p, passage *stack
 static void walk_treelet_at(const tracer *tr, const treelet *at, const passage *p, const ray *r,
                             trace_state *state, ray_counters *counters) {
     const heights_block b = heights_block_of(tr, at);
-    if (walk_block(&b, r, p->t_in, p->t_out, p->octants ? p->octants : 255U, state, counters) &&
+    if (heights_walk_block(&b, r, p->t_in, p->t_out, p->octants ? p->octants : 255U, state,
+                           counters) &&
         !state->any)
         state->point = heights_hit_surface(tr, at, r, &state->best);
 }

@@ -14,4 +14,10 @@
 trace_result heights_walk_next(const tracer *tr, const ray *r, trace_state *state,
                                ray_counters *counters);
 
+/* heights_walk_block() - lower state->best to the first hit in a treelet; [t_in, t_out] holds the
+ * ray's interval in it. octants: which eighths of it (x + 4z) to look at, one or all. Returns
+ * whether state->best changed; its point is not set. */
+bool heights_walk_block(const heights_block *b, const ray *r, double t_in, double t_out,
+                        unsigned octants, trace_state *state, ray_counters *counters);
+
 #endif

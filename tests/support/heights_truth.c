@@ -83,8 +83,8 @@ static int meet_cell(const heights_truth *h, int i, int j, const line *l, long d
     /* Steep lines: only where the height may be. */
     const float lo = fminf(fminf(p[0], p[1]), fminf(p[h->nx], p[h->nx + 1]));
     const float hi = fmaxf(fmaxf(p[0], p[1]), fmaxf(p[h->nx], p[h->nx + 1]));
-    const long double pad = ((long double)hi - (long double)lo) / 2 + fabsl((long double)hi) / 2 +
-                            fabsl((long double)lo) / 2 + 1e-300L;
+    const long double pad = (long double)hi - (long double)lo +
+                            fabsl((long double)h->spacing[0] / (long double)h->scale);
     if (!cut(l->o[2], l->d[2], (long double)lo - pad, (long double)hi + pad, true, &t0, &t1))
         return 0;
     const square f = square_of(h, i, j, l, t0);

@@ -20,9 +20,19 @@ enum { RAYS = 600 };
 
 static const leafcast_surface ground = {0.0, {0.8f, 0.7f, 0.6f}, 1.0f};
 
+/* A terrain of some size. */
+static void make_broad(heights_terrain *t, int shape, int n) {
+    for (uint64_t of = 1;; of++) {
+        heights_lab_make(t, shape, n, of);
+        if (t->truth.nx > n / 2 && t->truth.ny > n / 2)
+            return;
+        heights_lab_release(t);
+    }
+}
+
 static leafcast *open_terrain(const char *path, uint32_t treelets) {
-    const leafcast_options o = {.threads = 2,
-                                .experiments = EXPERIMENTS(.treelet_limit = treelets)};
+    const leafcast_options o = {
+        .size = sizeof o, .threads = 2, .experiments = EXPERIMENTS(.treelet_limit = treelets)};
     leafcast *v = fixture_open(path, treelets ? &o : NULL);
     assert_int_equal(leafcast_select(v, &ground, 1), LEAFCAST_OK);
     return v;
@@ -114,7 +124,7 @@ static void test_shadows(void **state) {
     static heights_meeting meetings[HEIGHTS_MEETINGS_MAX];
     const double to_light[3] = {0.8, 0.36, 0.48}, still[3] = {0.0, 0.0, 0.0};
     heights_terrain t;
-    heights_lab_make(&t, 0, 40, 3);
+    make_broad(&t, 0, 40);
     leafcast *v = open_terrain(heights_lab_leaf(&t, 4, 0, true), 0);
     leafcast_scene scene = leafcast_scene_default();
     scene.ambient = 0.0f;
@@ -149,6 +159,7 @@ static void test_shadows(void **state) {
             continue;
         }
         seen++;
+        if ((p.rgba[0][i] > 0.0f) != lit && wrong < 5) print_message("at %g %g %g  h %g facing %g rgba %g count %d n %g %g %g first %g\n", at[0],at[1],at[2],height_at(&t.truth,at[0],at[1]),facing,(double)p.rgba[0][i],count,(double)p.normal[0][i],(double)p.normal[1][i],(double)p.normal[2][i], count? (double)meetings[0].t:0.0);
         dark += !lit;
         wrong += (p.rgba[0][i] > 0.0f) != lit;
     }
@@ -166,7 +177,7 @@ static void test_pictures(void **state) {
     static const int shaped[] = {0, 2, 4, 10};
     for (size_t s = 0; s < sizeof shaped / sizeof *shaped; s++) {
         heights_terrain t;
-        heights_lab_make(&t, shaped[s], 80, 7);
+        make_broad(&t, shaped[s], 80);
         picture_volumes v = pictures_open(heights_lab_leaf(&t, 4, 0, true), 2);
         leafcast_surface shown = ground;
         int seen = 0;
@@ -191,12 +202,12 @@ static void test_scene(void **state) {
     static picture p, alone[2];
     heights_terrain t;
     field ball;
-    heights_lab_make(&t, 0, 30, 5);
+    make_broad(&t, 0, 30);
     assert_true(field_make(&ball, "sphere", 24, FIELD_SEED));
     leafcast_device *device = NULL;
-    const leafcast_options d = {.threads = 2};
+    const leafcast_options d = {.size = sizeof d, .threads = 2};
     assert_int_equal(leafcast_device_create(&d, &device), LEAFCAST_OK);
-    const leafcast_options o = {.device = device};
+    const leafcast_options o = {.size = sizeof o, .device = device};
     leafcast *v[2] = {fixture_open(heights_lab_leaf(&t, 4, 0, true), &o),
                       fixture_open(fixture_leaf(&ball, 4, 1, true), &o)};
     const leafcast_surface surfaces[2] = {ground, {ball.iso, {0.2f, 0.4f, 0.9f}, 1.0f}};
