@@ -14,8 +14,6 @@ static status heights_open(leafcast *v) {
         return ST_NOMEM;
     own->type = v->file->layout.type;
     own->halo = v->file->layout.halo;
-    for (int a = 0; a < 3; a++)
-        own->unit[a] = affine_unit(&v->space, a);
     return ST_OK;
 }
 
@@ -126,7 +124,10 @@ static bool stop_levels(leafcast *v, const camera *c) {
 }
 
 static void heights_aim(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
-    tr->own = v->own;
+    heights_field *own = v->own;
+    for (int a = 0; a < 3; a++)
+        own->unit[a] = affine_unit(&v->space, a);
+    tr->own = own;
     whole_box(v->file, 0x1p-10, tr->box);
     if (scene->lod == LEAFCAST_LOD_PIXEL && c) {
         tr->coarse = stop_levels(v, c);
