@@ -92,6 +92,26 @@ static inline bool heights_block_range(const heights_block *b, uint32_t k, uint3
     return lo <= hi;
 }
 
+/* heights_hit_slope() - at a ray's hit with a patch: the gradient of height - elevation in grid
+ * space and in world space, and the unit normal, upwards. Returns the height. */
+static inline double heights_hit_slope(const affine *space, const heights_patch *p, const ray *r,
+                                       double t, double slope[3], double gradient[3],
+                                       float normal[3]) {
+    const double u = heights_share(r->o[0], r->d[0], t, p->x, p->inverse);
+    const double v = heights_share(r->o[2], r->d[2], t, p->z, p->inverse);
+    double length = 0.0;
+    slope[0] = ((p->h[1] - p->h[0]) * (1.0 - v) + (p->h[3] - p->h[2]) * v) * p->inverse;
+    slope[1] = -1.0;
+    slope[2] = ((p->h[2] - p->h[0]) * (1.0 - u) + (p->h[3] - p->h[1]) * u) * p->inverse;
+    affine_gradient_to_world(space, slope, gradient);
+    for (int a = 0; a < 3; a++)
+        length += gradient[a] * gradient[a];
+    length = sqrt(length);
+    for (int a = 0; a < 3; a++)
+        normal[a] = (float)(-gradient[a] / length);
+    return heights_patch_at(p->h, u, v);
+}
+
 /* heights_hit_surface() - the surface point of a hit in this treelet. */
 surface_point heights_hit_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);
 

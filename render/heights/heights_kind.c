@@ -1,8 +1,10 @@
 #include "render/heights/heights_kind.h"
 
 #include "formats/base/box3.h"
+#include "render/heights/heights_tile.h"
 #include "render/heights/heights_walk.h"
 #include "render/look/camera.h"
+#include "render/look/projection.h"
 #include "render/look/scene_facts.h"
 #include "render/ray/open_volume.h"
 
@@ -136,6 +138,54 @@ static void heights_aim(leafcast *v, const leafcast_scene *scene, const camera *
     tr->coarse = tr->coarse || tr->target_level > 0;
     tr->boxed = tr->preview || tr->lenient || tr->stop || tr->target_level > 0;
 }
+
+/* Tiles compare distances along the axes of grid space, which must be at right angles. */
+static bool is_square(const affine *s) {
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3;
+        double dot = 0.0;
+        for (int i = 0; i < 3; i++)
+            dot += s->to_world[i][a] * s->to_world[i][b];
+        if (fabs(dot) > 0x1p-30 * affine_unit(s, a) * affine_unit(s, b))
+            return false;
+    }
+    return true;
+}
+
+static status heights_project(leafcast *v, const camera *c, projection *out) {
+    double box[2][3], worst = 0.0;
+    whole_box(v->file, 0x1p-10, box);
+    *out = (projection){.centre = {(float)(0.5 * c->middle[0]), (float)(0.5 * c->middle[1])}};
+    affine_point_to_grid(&v->space, c->eye, out->eye);
+    out->scale = projection_scale(&v->space);
+    out->unscale = 1.0 / out->scale;
+    for (int a = 0; a < 3; a++) {
+        const axis_projection axis = projection_axis(&v->space, c, a);
+        const double entries[4] = {axis.x, axis.y, axis.w, axis.far};
+        for (int i = 0; i < 4; i++)
+            out->axis[a][i] = (float)entries[i];
+        /* The last treelets reach past the lattice, at most twice as far. */
+        worst = fmax(worst, (fabs(axis.x) + fabs(axis.y) + axis.far) *
+                                fmax(fabs(box[0][a] - out->eye[a]),
+                                     fabs(2.0 * box[1][a] + 256.0 - out->eye[a])));
+    }
+    projection_set_bounds(out, c, worst, 2.0);
+    out->usable = out->usable && is_square(&v->space);
+    return ST_OK;
+}
+
+static size_t heights_projection_bytes(const leaf_layout *layout) {
+    (void)layout;
+    return 0;
+}
+
+CPU_KERNELS(tile_fn, heights_tile_kernels, NULL, heights_tile);
+
+static const kind_tiles tiles = {.side = HEIGHTS_TILE,
+                                 .scratch = HEIGHTS_TILE_SCRATCH,
+                                 .kernels = heights_tile_kernels,
+                                 .project = heights_project,
+                                 .projection_bytes = heights_projection_bytes};
 
 /* ---- The order of treelets ---- */
 
@@ -291,6 +341,7 @@ const kind heights_kind = {.name = "heights",
                            .segments_error = no_error,
                            .gradient = no_gradient,
                            .cell_in = no_cell_in,
+                           .tiles = &tiles,
                            .cell_of_hit = heights_cell_of_hit,
                            .cell_indices = heights_cell_indices,
                            .cell_corners = heights_cell_corners};

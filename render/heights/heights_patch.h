@@ -58,6 +58,15 @@ static inline double heights_share(double o, double d, double t, double first, d
     return heights_least(heights_most(at, 0.0), 1.0);
 }
 
+/* heights_meets() - whether the ray's elevation between two t may be in a range. */
+static inline bool heights_meets(const ray *r, double t_in, double t_out, double least,
+                                 double most) {
+    const double a = r->o[1] + t_in * r->d[1], b = r->o[1] + t_out * r->d[1];
+    const double slack =
+        0x1p-48 * (fabs(r->o[1]) + heights_most(fabs(a), fabs(b)) + fabs(least) + fabs(most));
+    return !(heights_least(a, b) > most + slack || heights_most(a, b) < least - slack);
+}
+
 /* The one root in [0, 1] of c + b s + a s^2, which rises from c < 0, or from c = 0 downwards first,
  * to a value >= 0. */
 static inline double heights_rise(double a, double b, double c) {

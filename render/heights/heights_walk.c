@@ -42,14 +42,6 @@ static int quad_step(const ray *r, const double middle[2], double t_in, double t
     return crossings + 1;
 }
 
-/* Whether the ray's elevation between two t may be in a range. */
-static inline bool meets(const ray *r, double t_in, double t_out, double least, double most) {
-    const double a = r->o[1] + t_in * r->d[1], b = r->o[1] + t_out * r->d[1];
-    const double slack =
-        0x1p-48 * (fabs(r->o[1]) + heights_most(fabs(a), fabs(b)) + fabs(least) + fabs(most));
-    return !(heights_least(a, b) > most + slack || heights_most(a, b) < least - slack);
-}
-
 /* ---- In a treelet ---- */
 
 bool heights_walk_block(const heights_block *b, const ray *r, double t_in, double t_out,
@@ -121,7 +113,7 @@ static int push(const tracer *tr, const ray *r, const passage *p, passage *stack
             children[i].t_in, children[i].t_out,
             l->first_child[p->t] + (uint32_t)__builtin_popcount(there & ((1U << o) - 1U)), 0};
         const float *range = ranges[child.t];
-        if (meets(r, child.t_in, child.t_out, (double)range[0], (double)range[1]) &&
+        if (heights_meets(r, child.t_in, child.t_out, (double)range[0], (double)range[1]) &&
             stand_in(tr, p, o, &child, provisional))
             stack[top++] = child;
     }
@@ -190,23 +182,12 @@ surface_point heights_hit_surface(const tracer *tr, const treelet *at, const ray
     heights_patch p;
     surface_point out = {.span = b.size * heights_least(field->unit[0], field->unit[2])};
     (void)heights_block_patch(&b, i - b.of->first_cell[0], k - b.of->first_cell[2], &p);
-    const double u = heights_share(r->o[0], r->d[0], h->t, p.x, p.inverse);
-    const double v = heights_share(r->o[2], r->d[2], h->t, p.z, p.inverse);
-    const double slope[3] = {((p.h[1] - p.h[0]) * (1.0 - v) + (p.h[3] - p.h[2]) * v) * p.inverse,
-                             -1.0,
-                             ((p.h[2] - p.h[0]) * (1.0 - u) + (p.h[3] - p.h[1]) * u) * p.inverse};
-    double most = 0.0, length = 0.0;
+    double slope[3], most = 0.0;
     for (int c = 0; c < 4; c++)
         most = heights_most(most, fabs(p.h[c]));
+    out.value = heights_hit_slope(&tr->space, &p, r, h->t, slope, out.gradient, out.normal);
     out.error = 32.0 * DBL_EPSILON * most;
     for (int a = 0; a < 3; a++)
         out.error += fabs(slope[a]) * position_error(&tr->space, r, h->t, a);
-    affine_gradient_to_world(&tr->space, slope, out.gradient);
-    for (int a = 0; a < 3; a++)
-        length += out.gradient[a] * out.gradient[a];
-    length = sqrt(length);
-    for (int a = 0; a < 3; a++)
-        out.normal[a] = (float)(-out.gradient[a] / length);
-    out.value = heights_patch_at(p.h, u, v);
     return out;
 }

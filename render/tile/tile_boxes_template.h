@@ -222,7 +222,7 @@ SIMD unsigned rays_through(const tile_boxes *w, const double lo[3], const double
 }
 
 /* Suspend rays that pass an absent treelet. */
-static void wait_for_treelet(tile_boxes *w, uint32_t t, tile_rect r) {
+static inline void wait_for_treelet(tile_boxes *w, uint32_t t, tile_rect r) {
     const float *bounds = w->s.f->tracer->treelets->tree->bounds[0][t];
     const double lo[3] = {bounds[0], bounds[1], bounds[2]};
     const double hi[3] = {bounds[3], bounds[4], bounds[5]};
@@ -245,7 +245,7 @@ static void wait_for_treelet(tile_boxes *w, uint32_t t, tile_rect r) {
 
 /* Returns a treelet that the tile's rays look at. NULL: it is absent, and the rays that pass it are
  * suspended. */
-static const treelet *treelet_in_sight(tile_boxes *w, const tile_pending *p) {
+static inline const treelet *treelet_in_sight(tile_boxes *w, const tile_pending *p) {
     const tracer *tr = w->s.f->tracer;
     if (!w->s.has_rays) {
         tile_state_rays(&w->s);

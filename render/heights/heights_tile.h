@@ -1,0 +1,16 @@
+/* heights_tile.h - the primary rays of 32 x 32 pixels over terrain together.
+ *
+ * The directory's quadtree is walked once for all rays of a tile, nearest treelets first; each has
+ * the rectangle of pixels that it can cover. In a treelet rays go one by one, as single rays do
+ * (heights_way.h). So the picture has the same bits.
+ */
+#ifndef RENDER_HEIGHTS_HEIGHTS_TILE_H
+#define RENDER_HEIGHTS_HEIGHTS_TILE_H
+
+#include "render/frame/tile.h"
+
+/* HEIGHTS_TILE: pixels on a side. HEIGHTS_TILE_SCRATCH: bytes that a tile_fn needs beside its
+ * outcome. */
+enum { HEIGHTS_TILE = 32, HEIGHTS_TILE_SCRATCH = 960 << 10 };
+
+#endif

@@ -1,0 +1,1 @@
+#include "render/heights/heights_tile_template.h"
