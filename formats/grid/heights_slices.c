@@ -86,11 +86,12 @@ static void close_source(void *ctx) {
 
 static status check(const slice_source *s) {
     if (!s->g.heights && s->g.dims[2] != 1)
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: a height field has one slice, and this grid has %u", s->name,
-                               s->g.dims[2]);
+        return status_describe(ST_USAGE,
+                               "%s: --heights takes a grid of one slice, and this one has %u",
+                               s->name, s->g.dims[2]);
     if (grid_is_rectilinear(&s->g))
-        return status_describe(ST_UNSUPPORTED, "%s: a height field has even spacings", s->name);
+        return status_describe(ST_UNSUPPORTED, "%s: --heights takes a grid of even spacings",
+                               s->name);
     return ST_OK;
 }
 

@@ -16,8 +16,8 @@
 void heights_layout(volume_layout *l);
 
 /* heights_slices() - put a source of one slice, or of rows by heights_layout(), behind one of a
- * height field's slices. A source of one slice is held in memory. ST_UNSUPPORTED: it has several
- * slices, or uneven spacings. On failure *s is as before. */
+ * height field's slices. A source of one slice is held in memory. ST_USAGE: it has several slices;
+ * ST_UNSUPPORTED: uneven spacings. On failure *s is as before. */
 CHECKED status heights_slices(slice_source *s);
 
 #endif

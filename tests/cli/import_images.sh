@@ -72,7 +72,9 @@ refused "a slice of another type" 3 "img3.pgm: slice 2 .*u16; slice 0 .*u8" "$tm
 refused "a folder without images" 3 "no image in this folder" "$tmp/none"
 refused "a file that is none" 3 "notes.txt" "$tmp/stack/notes.txt"
 refused "a file that is not there" 1 "cannot open" "$tmp/nowhere.tif"
-refused "one slice" 3 "at least 2 on every axis" "$tmp/stack/img1.pgm"
+exits "one slice is no volume" 3 "$leafcast" convert "$tmp/stack/img1.pgm" -o "$tmp/one.leaf"
+ok "which is told" grep -q "at least 2 on every axis (convert --heights" "$tmp/err"
+exits "but terrain" 0 "$leafcast" convert --heights "$tmp/stack/img1.pgm" -o "$tmp/one.leaf"
 refused "a channel that is not there" 2 "have 1" "$tmp/stack" --component 2
 refused "a channel of no such name" 3 'no channel "heat"' "$tmp/stack" --field heat
 refused "a step that is not there" 2 "step" "$tmp/stack" --step 1

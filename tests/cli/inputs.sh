@@ -66,6 +66,7 @@ skip=0 r
 spacing=1,2,3 rh
 origin=1,2,3 rh
 exaggerate=2 rh
+heights -
 axes=LPS rh
 unit=mm rh
 axis-x=$tmp/axis rh

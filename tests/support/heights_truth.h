@@ -16,7 +16,7 @@ typedef struct heights_truth {
 typedef struct heights_meeting {
     long double t;
     bool entering; /* from above */
-    int cell;     /* i + (nx - 1) * j */
+    int cell;      /* i + (nx - 1) * j */
 } heights_meeting;
 
 enum { HEIGHTS_MEETINGS_MAX = 4096 };
