@@ -400,6 +400,8 @@ status layout_slices_open(volume_layout *l, slice_source *out) {
     }
     *out = (slice_source){.name = name_of(s),
                           .has_fields = several,
+                          .has_missing = l->has_missing,
+                          .missing = l->missing,
                           .m = l->m,
                           .g = l->g,
                           .read = read_slices,

@@ -42,9 +42,12 @@ typedef struct slice_source {
     const char *format;   /* "NRRD"; a constant */
     const char *importer; /* "vdb" where leafcast-import-vdb reads it; NULL: this process */
     const char *name;     /* the file, for messages; lives as long as the source */
-    bool has_fields;      /* the hints' field, component and step have been applied */
-    mem *m;               /* owns the grid's axes */
-    grid g;               /* passes grid_check() */
+    bool
+        has_missing; /* samples that are `missing` are to be read as NaN, unless a hint says else */
+    double missing;
+    bool has_fields; /* the hints' field, component and step have been applied */
+    mem *m;          /* owns the grid's axes */
+    grid g;          /* passes grid_check() */
     /* Read slices first, first + 1, .. of g.type in native byte order: count * grid_slice_bytes().
      * Called for all slices in order, from 0 on, by one thread. A status other than ST_OK ends the
      * reading, and volume_read() returns it. */

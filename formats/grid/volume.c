@@ -8,6 +8,7 @@
 #include "formats/base/num.h"
 #include "formats/base/text.h"
 #include "formats/grid/grid_reader.h"
+#include "formats/grid/heights_files.h"
 #include "formats/grid/heights_slices.h"
 #include "formats/grid/imported.h"
 #include "formats/grid/layout_slices.h"
@@ -52,6 +53,8 @@ static const grid_reader *const readers[] = {
     &vtk_grid_parts_reader,
     &vtk_grid_legacy_reader,
     &xdmf_reader,
+    &heights_asc_reader,
+    &heights_hgt_reader,
     &imported_reader,
     &raw_reader,
 };
@@ -138,8 +141,8 @@ static status apply_hints(slice_source *from, const volume_hints *hints) {
 static status apply_missing(volume *v, const volume_hints *hints) {
     grid *g = &v->g;
     char value[NUM_TEXT_MAX];
-    v->has_missing = hints->has_missing;
-    v->missing = hints->missing;
+    v->has_missing = hints->has_missing || v->from.has_missing;
+    v->missing = hints->has_missing ? hints->missing : v->from.missing;
     if (!v->has_missing)
         return ST_OK;
     if (!sample_holds(g->type, v->missing))

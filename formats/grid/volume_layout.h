@@ -39,8 +39,10 @@ typedef struct volume_layout {
     double first_time;         /* time of step 0, and from step to step; 0: unknown */
     double time_step;
     uint64_t skip_decoded; /* packed samples: decompressed bytes in front of them */
-    bool has_tail;         /* the format has a part behind the samples */
-    byte_stream *data;     /* at the first byte of the encoded samples; owned */
+    bool has_missing;      /* `missing` stands for no data, as volume_hints.missing */
+    double missing;
+    bool has_tail;     /* the format has a part behind the samples */
+    byte_stream *data; /* at the first byte of the encoded samples; owned */
 } volume_layout;
 
 void volume_layout_release(volume_layout *l);

@@ -118,7 +118,7 @@ static void close_zarr(void *ctx) {
     mem_free(z->m, z);
 }
 
-static status set_grid(zarr *z, grid *g) {
+static status set_grid(zarr *z, bool flat, grid *g) {
     static const uint32_t none[3] = {1, 1, 1};
     const zarr_array *a = &z->a;
     grid_init(g, none, SAMPLE_U8);
@@ -132,7 +132,7 @@ static status set_grid(zarr *z, grid *g) {
         world_frame_set_unit(&g->frame, r, a->unit[axis]);
     }
     memcpy(g->name, a->name, sizeof g->name);
-    return grid_check(g, a->path);
+    return flat ? grid_check(g, a->path) : grid_check_volume(g, a->path);
 }
 
 static uint32_t steps_of(const zarr *z) {
@@ -250,7 +250,7 @@ status zarr_open(mem *m, const char *folder, const volume_hints *hints, slice_so
     z->follow_links = hints->trust.follow_links;
     status st = z->folder ? zarr_array_read(m, folder, hints, &z->a) : ST_NOMEM;
     if (st == ST_OK)
-        st = set_grid(z, &g);
+        st = set_grid(z, hints->heights, &g);
     if (st == ST_OK)
         st = choose(z, hints, &g);
     z->g = g;

@@ -139,7 +139,7 @@ static void test_four_axes(void **state) {
     volumes_refused(plain("NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 3 2\nencoding: raw\n\n"),
                     NULL, ST_UNSUPPORTED, "three axes");
     volumes_refused(plain("NRRD0004\ntype: uint8\ndimension: 2\nsizes: 4 6\nencoding: raw\n\n"),
-                    NULL, ST_UNSUPPORTED, "three axes");
+                    NULL, ST_UNSUPPORTED, "1 sample along z");
 }
 
 /* ---- data files ---- */
