@@ -202,34 +202,6 @@ static void visit_treelet(heights_tile *w, const tile_pending *p) {
         look_with_open(&w->b);
 }
 
-/* Bring what a treelet's rays look at into the cache, while those of the one before it walk: its
- * first side of samples, and the codes of its blocks, of which only every fourth line is used. */
-static void prefetch_treelet(const tracer *tr, uint32_t t) {
-    enum { LINE = 64 };
-    const treelet *at = loader_lookup(tr->treelets, t);
-    if (!at)
-        return;
-    const resident_grid *g = resident_grid_of(at);
-    const size_t row = g->shape.samples[0] * sample_size(tr->layout->type);
-    const size_t slice = row * g->shape.samples[1];
-    const uint32_t k = g->shape.node_levels;
-    const char *codes = (const char *)at->payload + leaf_codes_at(k);
-    for (uint32_t z = 0; z < g->shape.samples[2]; z++)
-        for (size_t i = 0; i < row + LINE; i += LINE)
-            __builtin_prefetch((const char *)g->samples + z * slice + i);
-    for (uint32_t i = 0; i < 1U << 3 * k; i += LINE)
-        if (!(i & 02222U)) { /* the bits of the axis across the layer */
-            __builtin_prefetch(codes + i);
-            __builtin_prefetch(codes + i + ((size_t)1 << 3 * k));
-        }
-}
-
-enum { PREFETCH_PIXELS = 24 }; /* of a treelet with fewer, only a part is looked at */
-
-static unsigned pixels_of(tile_rect r) {
-    return (r.x1 + 1U - r.x0) * (r.y1 + 1U - r.y0);
-}
-
 /* ---- The directory ---- */
 
 static bool is_drawn(const tracer *tr, uint32_t t) {
@@ -286,9 +258,6 @@ static void walk_directory(heights_tile *w, tile_rect rect) {
         if (!is_drawn(tr, p.i)) {
             top = push_children(w, &p, stack, top);
         } else if (tr->treelets->own[p.i]) {
-            const tile_pending *next = top > 0 ? &stack[top - 1] : NULL;
-            if (next && is_drawn(tr, next->i) && pixels_of(next->rect) >= PREFETCH_PIXELS)
-                prefetch_treelet(tr, next->i);
             visit_treelet(w, &p);
         }
     }
