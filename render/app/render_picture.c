@@ -48,7 +48,7 @@ static void say_empty(const render_options *o, render_job *job, const view_optio
                       const leafcast_stats *t) {
     const bool any = say_absent(o, job, view);
     const char *what = view->is_surface ? "nothing in the picture: the surface is"
-                                     : "no surface in the picture: there is one, but";
+                                        : "no surface in the picture: there is one, but";
     /* A pixel that is provisional may have one. */
     if (t->covered_pixels > 0 || t->provisional_pixels > 0 || view_options_any_filled(view))
         return;

@@ -15,7 +15,7 @@ leafcast_shown scene_object(const leafcast *v, const leafcast_scene *scene, int 
     if (scene->volume_count > 0)
         return scene->volumes[i];
     return (leafcast_shown){(leafcast *)(uintptr_t)v, v->field, v->step, v->surfaces,
-                            v->surface_count,         v->share, NULL, NULL};
+                            v->surface_count,         v->share, NULL,    NULL};
 }
 
 /* Check that volume i's world axes agree with those of *known, the first volume that tells of its
