@@ -438,7 +438,7 @@ static const cli_verb verb = {
     .doc =
         "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, VTK grids "
         "(.vti, .vtr, straight .vts, legacy .vtk; in pieces: .pvti, .pvtr, .pvts), NIfTI, NumPy "
-        "arrays, MRC, FreeSurfer (.mgh, .mgz), PVM, SLC, elevations (.asc, .hgt, with --heights), "
+        "arrays, MRC, FreeSurfer (.mgh, .mgz), PVM, SLC, elevations (.asc, .hgt), "
         "XDMF, Zarr 2 and OME-Zarr (a folder), raw "
         "samples "
         "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "

@@ -278,7 +278,7 @@ ROWS = (
     ("MRC", "bytes at the end", mrc, 3, "ends at byte", None),
     ("FreeSurfer", "bytes at the end", mgh, 3, "ends at byte", None),
     ("PVM", "bytes at the end", lambda: put("a.pvm", b"PVM\n8 8 8\n1\n" + SHORT), 3, "ends at byte", None),
-    ("Arc ASCII grid", "numbers at the end", lambda: put("a.asc", b"ncols 8\nnrows 8\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + b"1 " * 63), 3, "ends at byte", None),
+    ("Arc ASCII grid", "numbers at the end", lambda: put("a.asc", b"ncols 8\nnrows 8\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + b"1 " * 50), 3, "ends at byte", None),
     ("SRTM tile", "bytes at the end", lambda: put("a.hgt", bytes(1201 * 1201 * 2 - 2)), 3, "is a square", None),
     ("SLC", "bytes at the end", lambda: put("a.slc", b"11111 8 8 8 8 1 1 1 0 0 0 0 0 0 X" + SHORT), 3, "ends at byte", None),
     ("VTK", "values of an array", lambda: put("a.vti", vti(SHORT)), 3, "a.vti", None),
