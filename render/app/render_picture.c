@@ -57,8 +57,7 @@ static void say_empty(const render_options *o, render_job *job, const view_optio
         cli_note(&o->common, 1, "%s outside of the camera's view, or clipped away", what);
 }
 
-static void say_suggested(const render_options *o, const render_job *job,
-                          const script_frame *frame) {
+static void say_suggested(const render_options *o, const script_frame *frame) {
     char value[NUM_TEXT_MAX], others[LEAFCAST_SUGGESTIONS_MAX * NUM_TEXT_MAX + 16] = "";
     if (frame->suggestions == 0)
         return;
@@ -136,7 +135,7 @@ static void say_done(const render_options *o, const script_frame *frame, const r
 status render_picture_draw(const render_options *o, render_job *job, const script_frame *frame,
                            json_t **stats) {
     render_stats s;
-    say_suggested(o, job, frame);
+    say_suggested(o, frame);
     say_aside(o, job, frame);
     status st = render_job_draw(job, frame, &s);
     if (st)

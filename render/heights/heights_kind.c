@@ -183,6 +183,7 @@ CPU_KERNELS(tile_fn, heights_tile_kernels, NULL, heights_tile);
 
 static const kind_tiles tiles = {.side = HEIGHTS_TILE,
                                  .scratch = HEIGHTS_TILE_SCRATCH,
+                                 .colours = true,
                                  .kernels = heights_tile_kernels,
                                  .project = heights_project,
                                  .projection_bytes = heights_projection_bytes};

@@ -90,7 +90,21 @@ static void shadow_starts(void *work, const tile_layer *l, unsigned i, unsigned 
     }
 }
 
-static const tile_kind shading = {cell_normals, shadow_starts};
+static void cell_colours(void *work, const tile_layer *l, unsigned i, unsigned which,
+                         float rgb[][3]) {
+    const heights_tile *w = work;
+    const frame *f = w->b.s.f;
+    for (unsigned left = which; left; left &= left - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(left);
+        const tile_surface *x = surface_of(l, i + k);
+        const ray r = ray_of(&w->b.s, i + k);
+        const hit h = tile_hit(&w->b.s, x);
+        const surface_point at = heights_hit_surface(f->tracer, x->at, &r, &h);
+        surface_colour(f, 0, &h, &at, rgb[k]);
+    }
+}
+
+static const tile_kind shading = {cell_normals, shadow_starts, cell_colours};
 
 /* ---- A treelet ---- */
 
