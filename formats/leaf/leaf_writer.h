@@ -76,8 +76,8 @@ typedef struct leaf_mesh {
     bool gradients;         /* each set has gradients, too */
     bool moving;            /* steps behind the first have positions; steps is 2 or more then */
     bool coarse;            /* sets may have coarse grids: leaf_writer_embed() */
-    uint32_t kind;          /* of tets, or one whose cells are listed (listed_geometry.h):
-                               leaf_tets 0, no gradients */
+    uint32_t kind;          /* of a leaf_kind: tets, or one whose cells are listed
+                               (listed_geometry.h): leaf_tets 0, no gradients */
 } leaf_mesh;
 
 /* Contents of the file of a curvilinear grid. It does not use cells_log2 and halo of

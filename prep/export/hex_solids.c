@@ -152,6 +152,6 @@ static void release(void *bench_of) {
 }
 
 status hex_solids_create(mem *m, const cell_choice *choice, int threads, piece_source *out) {
-    static const cell_source_kind kind = {sizeof(bench), create, release, make, false};
+    static const cell_source_kind kind = {sizeof(bench), create, release, make, .flat = false};
     return cell_source_create(m, &kind, choice, NULL, 0, threads, out);
 }

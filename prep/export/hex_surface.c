@@ -196,6 +196,6 @@ static void release(void *bench_of) {
 
 status hex_surface_create(mem *m, const cell_choice *choice, const double *isovalues,
                           uint32_t count, int threads, piece_source *out) {
-    static const cell_source_kind kind = {sizeof(bench), create, release, make, false};
+    static const cell_source_kind kind = {sizeof(bench), create, release, make, .flat = false};
     return cell_source_create(m, &kind, choice, isovalues, count, threads, out);
 }

@@ -78,6 +78,12 @@ json lines convert --watch 'd_%04d.nrrd' -o watched.leaf --settle 0 --until 2
 json document generate gyroid --curvilinear warp --dims 9 -o c.vts
 json document convert c.vts -o c.leaf
 json document convert c.vts --dry-run
+printf 'OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n' >t.off
+json document convert t.off -o t.leaf
+json document convert t.off --dry-run
+json document info t.off
+json document info t.leaf
+json document export t.leaf -o t.ply
 json document info c.vts
 json document info c.leaf
 printf '\0\0\0\2\0\0\0\3\0\0\0\4' | tee p.xyz >p.q

@@ -61,6 +61,7 @@ for form in t.off surface.ply; do
     ok "is known as triangles" grep -q "^surface  *4 triangles, 4 points$" out
     exits "$form resampled" 3 "$leafcast" resample $form --dims 8 -o x.nrrd
     ok "is refused" grep -q "a surface, which fills no volume" err
+    exits "$form is converted as it is" 0 "$leafcast" convert $form -o x.leaf --force
 done
 [ -x "$(dirname "$(readlink -f "$leafcast")")/../libexec/leafcast-tetgen" ] || {
     skip "what is named" "no TetGen here"
