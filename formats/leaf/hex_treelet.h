@@ -61,8 +61,8 @@ static inline void hex_treelet_row(const hex_treelet *h, uint32_t i, uint32_t ro
     h->f->geometry->noded->row(h, i, row);
 }
 
-/* hex_treelet_cell() - a cell of hexahedra at the places of h; its number is that in the treelet. values: of the
- * nodes; NULL: 0. Its sense is what its code says. */
+/* hex_treelet_cell() - a cell of hexahedra at the places of h; its number is that in the treelet.
+ * values: of the nodes; NULL: 0. Its sense is what its code says. */
 void hex_treelet_cell(const hex_treelet *h, uint32_t i, const float *values, curved_cell *out);
 
 /* hex_treelet_check() - what the directory says of the treelet at the step of a set holds for

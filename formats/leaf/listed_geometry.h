@@ -27,8 +27,8 @@ int listed_parts(const leaf_layout *l, uint32_t set, uint32_t treelet,
                  uint32_t payloads[LEAF_PARTS_MAX]);
 extern const leaf_growth listed_growth;
 
-/* The kind adds: noded, coder, verifier, and coarse if it may have coarse grids. hex_blending serves
- * kinds without hexahedra, too: their places have no codes to be made anew. */
+/* The kind adds: noded, coder, verifier, and coarse if it may have coarse grids. hex_blending
+ * serves kinds without hexahedra, too: their places have no codes to be made anew. */
 #define LISTED_GEOMETRY                                                                            \
     .blending = &hex_blending, .growth = &listed_growth,                                           \
     .check_parameters = listed_check_parameters, .check_values = listed_check_values,              \

@@ -20,7 +20,7 @@
 #include "tests/support/surface_movie.h"
 #include "tests/support/watched.h"
 
-enum { SIDE = WATCHED ? 60 : 200 };
+enum { SIDE = 200 };
 
 static mem m;
 
@@ -119,7 +119,7 @@ static status go_on(surface_movie *v, const char *name, question *q) {
 }
 
 static void test_resumed(void **state) {
-    enum { TIMES = WATCHED ? 6 : 24 };
+    enum { TIMES = WATCHED ? 5 : 10 };
     (void)state;
     for (int little = 0; little < 2; little++) {
         mesh_result r;

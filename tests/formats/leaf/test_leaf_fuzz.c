@@ -118,8 +118,8 @@ static leaf_image make_surface(leaf_codec codec, int moves) {
     size_t size;
     mem m;
     mesh_result r;
-    surface_movie v = surface_movie_make(8, 2, moves ? 3 : 1, moves, "fuzz");
-    v.options.treelet_tets = 30;
+    surface_movie v = surface_movie_make(24, 1, moves ? 3 : 1, moves, "fuzz");
+    v.options.treelet_tets = 2000;
     v.options.file.codec = codec;
     v.options.file.zstd_level = 1;
     v.options.file.run_align_log2 = 9;
