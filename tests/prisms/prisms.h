@@ -12,7 +12,7 @@
 #include "formats/leaf/leaf_cells.h"
 #include "render/ray/kind.h"
 
-enum { PRISMS_KIND = 5, PRISMS_TREELET_MAX = 512 };
+enum { PRISMS_KIND = 7, PRISMS_TREELET_MAX = 512 };
 
 typedef struct prism { /* offset size */
     float base[3][2];  /*  0 24  x y of a triangle that is not flat, in any order */

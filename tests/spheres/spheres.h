@@ -12,7 +12,7 @@
 #include "formats/leaf/leaf_cells.h"
 #include "render/ray/kind.h"
 
-enum { SPHERES_KIND = 5, SPHERES_TREELET_MAX = 1024 };
+enum { SPHERES_KIND = 7, SPHERES_TREELET_MAX = 1024 };
 
 /* The least radius: errors are bounded for it. */
 #define SPHERES_RADIUS_MIN 0x1p-4
