@@ -40,7 +40,7 @@ static const char *place_in(const reading *r, char what[WHAT_MAX], const char *f
 /* ---- Keys ---- */
 
 static const char OBJECT_KEYS[] = "file surfaces transform instances",
-                  SURFACE_KEYS[] = "isovalue colour color opacity",
+                  SURFACE_KEYS[] = "isovalue colour color opacity reflectivity",
                   PICTURE_KEYS[] = "objects camera";
 
 /* Refuse a key. known: those that are no flags of render's. */
@@ -121,6 +121,10 @@ static status read_surface(json_t *value, const char *what, leafcast_surface *s)
             if (!json_is_number(item) || !(number > 0.0 && number <= 1.0))
                 st =
                     status_describe(ST_USAGE, "%s: \"opacity\" takes a number above 0, to 1", what);
+        } else if (strcmp(key, "reflectivity") == 0) {
+            s->reflectivity = (float)number;
+            if (!json_is_number(item) || !(number >= 0.0 && number <= 1.0))
+                st = status_describe(ST_USAGE, "%s: \"reflectivity\" takes a number, 0 to 1", what);
         } else if (strcmp(key, "colour") == 0 || strcmp(key, "color") == 0) {
             st = script_text(item, what, key, text);
             if (st == ST_OK)
@@ -144,7 +148,9 @@ static status read_surfaces(const reading *r, int object, const json_t *value, v
         st = read_surface(json_array_get(value, i),
                           place_in(r, what, "objects[%d].surfaces[%zu]", object, i),
                           &v->surfaces[i]);
-    v->isos = v->colours = v->opacities = (int)count;
+    v->isos = v->colours = v->opacities = v->reflects = (int)count;
+    for (size_t i = 0; i < count && v->scene.bounces == 0; i++)
+        v->scene.bounces = v->surfaces[i].reflectivity > 0.0f;
     return st;
 }
 
@@ -312,6 +318,9 @@ static void take_first(view_options *to, const view_options *of) {
     to->isos = of->isos;
     to->colours = of->colours;
     to->opacities = of->opacities;
+    to->reflects = of->reflects;
+    if (of->scene.bounces > to->scene.bounces)
+        to->scene.bounces = of->scene.bounces;
     memcpy(to->field, of->field, sizeof to->field);
     to->step = of->step;
     to->time = of->time;
