@@ -48,11 +48,16 @@ rm "$tmp"/*.nrrd "$tmp"/*.vtk
 
 "$leafcast" generate sphere --dims 8 -o "$tmp/a.nrrd"
 "$leafcast" generate sphere --tets --dims 5 -o "$tmp/a.mesh"
+{
+    printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float sphere\n'
+    printf 'element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n'
+} >"$tmp/a.ply"
 tail -c 512 "$tmp/a.nrrd" >"$tmp/a_8x8x8_uint8.raw"
 printf '%s\n' 0 1 2 3 4 5 6 9 >"$tmp/axis"
-# The options of convert that depend on the input, with a value, and the inputs that can use them: r(aw) h(eader) m(esh).
+# The options of convert that depend on the input, with a value, and the inputs that can use them: r(aw) h(eader) m(esh)
+# s(urface).
 cat >"$tmp/options" <<TABLE
-compress=zstd:1 rhm
+compress=zstd:1 rhms
 treelet=16 rh
 in-place rh
 levels=1 rh
@@ -72,28 +77,29 @@ unit=mm rh
 axis-x=$tmp/axis rh
 axis-y=$tmp/axis rh
 axis-z=$tmp/axis rh
-field=sphere m
-fields=all rhm
+field=sphere ms
+fields=all rhms
 steps=all rh
-times=7 rhm
+times=7 rhms
 to=sphere -
-component=1 m
+component=1 ms
 step=0 -
 cells-to-points -
 by-corners m
 coarse=4 m
-treelet-tets=64 m
+treelet-tets=64 ms
 leaf-tets=4 m
 build=sah m
 gradients m
 whole-cells m
-dry-run rhm
+dry-run rhms
 TABLE
 while read -r option inputs; do
-    for kind in r h m; do
+    for kind in r h m s; do
         case $kind in
             r) input=$tmp/a_8x8x8_uint8.raw ;;
             h) input=$tmp/a.nrrd ;;
+            s) input=$tmp/a.ply ;;
             *) input=$tmp/a.mesh ;;
         esac
         case $inputs in
@@ -101,7 +107,7 @@ while read -r option inputs; do
             *) want=2 ;;
         esac
         exits "convert $kind --$option" $want "$leafcast" convert "$input" "--$option" -o "$tmp/x.leaf" --force
-        [ $want = 0 ] || ok "says so" says "${option%%=*}\|no array"
+        [ $want = 0 ] || ok "says so" says "${option%%=*}\|no array\|no field of numbers"
     done
 done <"$tmp/options"
 # Every option of convert but those that any input can use is in that table.

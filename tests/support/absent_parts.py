@@ -217,6 +217,9 @@ def dicom(slices, length):
     return make
 
 
+ROWS_OF_3 = b"0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+
+
 def tetgen():
     put("t.ele", "2 4 0\n1 1 2 3 4\n")
     return put("t.node", "4 3 1 0\n1 0 0 0 1\n2 1 0 0 2\n3 0 1 0 3\n4 0 0 1 4\n")
@@ -317,6 +320,11 @@ ROWS = (
     ("TetGen", "rows", tetgen, 3, "t.ele", None),
     ("Gmsh", "rows", gmsh, 3, "t.msh", None),
     ("mesh stream", "bytes at the end", stream, 3, "t.mesh", None),
+    ("PLY", "rows", lambda: put("a.ply", b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+     b"property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n" + ROWS_OF_3), 3, "nothing more here", None),
+    ("OFF", "rows", lambda: put("a.off", b"OFF\n3 2 0\n" + ROWS_OF_3), 3, "nothing more here", None),
+    ("STL", "bytes at the end", lambda: put("a.stl", bytes(80) + struct.pack("<I", 2) + bytes(50)), 3, "but only 50 bytes follow", None),
+    ("glTF", "bytes at the end", lambda: put("a.glb", b"glTF" + struct.pack("<II", 2, 100)), 3, "a.glb", None),
     ("curvilinear stream", "bytes at the end", curvilinear, 3, "t.curv", None),
     ("PLOT3D", "bytes at the end", lambda: put("a.p3d", struct.pack(">3i", 2, 3, 4) + bytes(12 * 24 - 1)), 3, "PLOT3D", None),
 )
