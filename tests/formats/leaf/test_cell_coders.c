@@ -546,6 +546,14 @@ static void test_codes_of_triangles(void **state) {
         codes[i] = was;
     }
     assert_true(refused > 100);
+    /* The first word: up to the first vertex, and before it. */
+    uint8_t *low = x.streams.bytes + x.streams.end[5];
+    refused = 0;
+    for (int word = 0; word < 256; word++) {
+        *low = (uint8_t)word;
+        refused += !check_both(&x, x.streams.bytes, x.streams.used);
+    }
+    assert_in_range(refused, 1, 255);
     coder_lab_release(&x);
     free(s);
 }

@@ -146,6 +146,13 @@ static void swap_vertices(const lied *x) {
     x->corner[1] = 0;
 }
 
+static void swap_last(const lied *x) {
+    const uint32_t last = x->shape.vertices - 1;
+    for (uint32_t i = 0; i < TRIANGLE_CORNERS * x->shape.triangles; i++)
+        if (x->corner[i] + 1U >= last)
+            x->corner[i] = (uint16_t)(2 * last - 1 - x->corner[i]);
+}
+
 static void add_corner(const lied *x) {
     x->topology[x->shape.topology_bytes - 1] = 1;
 }
@@ -283,6 +290,7 @@ static const struct {
     {lose_corner, "a triangle is at no vertex", false},
     {leave_vertex, "a vertex is at no triangle", true},
     {swap_vertices, "vertices are not in the order of their first use", true},
+    {swap_last, "vertices are not in the order of their first use", true},
     {add_corner, "expected 0 as padding", true},
     {add_place, "expected 0 as padding", true},
     {add_value, "expected 0 as padding", true},
