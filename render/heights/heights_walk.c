@@ -185,7 +185,7 @@ surface_point heights_hit_surface(const tracer *tr, const treelet *at, const ray
     double slope[3], most = 0.0;
     for (int c = 0; c < 4; c++)
         most = heights_most(most, fabs(p.h[c]));
-    out.value = heights_hit_slope(&tr->space, &p, r, h->t, slope, out.gradient, out.normal);
+    out.own[0] = (float)heights_hit_slope(&tr->space, &p, r, h->t, slope, out.gradient, out.normal);
     out.error = 32.0 * DBL_EPSILON * most;
     for (int a = 0; a < 3; a++)
         out.error += fabs(slope[a]) * position_error(&tr->space, r, h->t, a);

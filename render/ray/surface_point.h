@@ -13,9 +13,8 @@ typedef struct surface_point {
     double span;  /* shortest edge of the cell, world units */
     float normal[3]; /* unit, towards lower values; from central differences (M08 eq. 4.14) or from
                         gradient */
-    /* Of kinds that are given (kind.h): */
-    float rgb[3]; /* the point's own colour, if tracer.coloured */
-    double value; /* there; else undefined */
+    float own[3]; /* of kinds that are given (kind.h): the point's own colour, if tracer.coloured;
+                     else the value there, and twice 0. Of others undefined */
 } surface_point;
 
 #endif

@@ -40,7 +40,7 @@ typedef struct tracer {
     bool preview;     /* draw what is resident instead of suspending */
     bool lenient;     /* go on without treelets that are lost (loader_tolerate()), in no preview */
     bool doubts;      /* and mark what is absent by doubts among the pieces (segments.h) */
-    bool coloured;    /* surfaces have colours of their own (surface_point.rgb) */
+    bool coloured;    /* surfaces have colours of their own (surface_point.own) */
     bool coarse;      /* the picture may be coarser than the data even where no treelet is absent */
     double above;     /* subtracted from the values of pieces (segments.h) */
     uint32_t target_level; /* the level that is drawn; */

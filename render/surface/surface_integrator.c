@@ -33,12 +33,12 @@ void surface_colour(const frame *f, uint16_t v, const hit *found, const surface_
     if (look->colours && look->colours[v].spans > 0) {
         double of[3];
         transfer_rgb(&look->colours[v],
-                     tr->kind->given ? point->value : tr->isos.isovalues[found->iso], of);
+                     tr->kind->given ? (double)point->own[0] : tr->isos.isovalues[found->iso], of);
         for (int c = 0; c < 3; c++)
             rgb[c] = (float)of[c];
         return;
     }
-    memcpy(rgb, tr->coloured ? point->rgb : look->surfaces[v][found->iso].rgb, sizeof(float[3]));
+    memcpy(rgb, tr->coloured ? point->own : look->surfaces[v][found->iso].rgb, sizeof(float[3]));
 }
 
 static void surface_begin(const frame *f, uint32_t pixel, ray_record *r) {

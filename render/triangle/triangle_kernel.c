@@ -85,21 +85,17 @@ static void unpack(float value, double rgb[3]) {
 }
 
 void triangle_values(const triangle *x, const ray *r, double t, bool coloured, surface_point *out) {
-    double share[3], rgb[3] = {0.0, 0.0, 0.0};
+    double share[3], own[3] = {0.0, 0.0, 0.0};
     shares_at(x, r, t, share);
-    out->value = 0.0;
     for (int k = 0; k < 3; k++) {
-        double of[3];
-        if (!coloured) {
-            out->value += share[k] * (double)x->value[k];
-            continue;
-        }
-        unpack(x->value[k], of);
+        double of[3] = {(double)x->value[k], 0.0, 0.0};
+        if (coloured)
+            unpack(x->value[k], of);
         for (int c = 0; c < 3; c++)
-            rgb[c] += share[k] * of[c];
+            own[c] += share[k] * of[c];
     }
     for (int c = 0; c < 3; c++)
-        out->rgb[c] = (float)rgb[c];
+        out->own[c] = (float)own[c];
 }
 
 surface_point triangle_point(const triangle *x, const ray *r, const hit *h, bool coloured) {

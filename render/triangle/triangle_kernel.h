@@ -27,11 +27,11 @@ void triangle_polygon(const triangle *x, flat_polygon *out);
 /* triangle_flat_facts() - what all rays that meet a triangle have in common. */
 flat_facts triangle_flat_facts(const triangle *x);
 
-/* triangle_point() - the point of a hit. coloured: values are packed colours (triangle_geometry.h);
- * rgb is then set, else value. Both are linear between the vertices, colours as light. */
+/* triangle_point() - the point of a hit. coloured: values are packed colours (triangle_geometry.h).
+ * Values and colours are linear between the vertices, colours as light. */
 surface_point triangle_point(const triangle *x, const ray *r, const hit *h, bool coloured);
 
-/* triangle_values() - set value, or rgb, of a point where facts are known already. */
+/* triangle_values() - set `own` of a point where facts are known already. */
 void triangle_values(const triangle *x, const ray *r, double t, bool coloured, surface_point *out);
 
 #endif

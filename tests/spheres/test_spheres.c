@@ -507,7 +507,7 @@ static void test_hostile_files(void **state) {
     i->header->kind = SPHERES_KIND + 1;
     leaf_image_seal(i);
     assert_int_equal(open_memory(i), LEAFCAST_UNSUPPORTED);
-    assert_non_null(strstr(leafcast_error_text(), "a geometry of kind 6"));
+    assert_non_null(strstr(leafcast_error_text(), "a geometry of kind 8"));
     i->header->kind = SPHERES_KIND;
     uint32_t(*counts)[4] = leaf_image_section(i, LEAF_SECTION_COUNTS);
     counts[3][0]++;

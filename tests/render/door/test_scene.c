@@ -286,7 +286,7 @@ static void slice(const scene_stage *s, uint64_t memory) {
 
 static void slices_make_the_whole(void **state) {
     slice(*state, 0);
-    slice(*state, 8 << 20);
+    slice(*state, 9 << 20);
 }
 
 static void a_cancelled_frame_stops(void **state) {
