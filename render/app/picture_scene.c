@@ -56,9 +56,10 @@ status picture_scene_choose(const leafcast *volume, view_options *v, double *sug
     if (st != ST_OK)
         return st;
     const bool is_surface = volume && leafcast_describe(volume).abilities & LEAFCAST_ABILITY_GIVEN;
-    if (is_surface && !v->is_surface && v->isos > 0)
-        return status_describe(ST_USAGE, "--iso: \"%s\" is a surface itself: it has no isosurfaces",
-                               leafcast_describe(volume).name);
+    if (is_surface && !v->is_surface && v->isos > 0) {
+        v->iso_unused = true;
+        v->isos = 1;
+    }
     v->is_surface = is_surface;
     v->unopened = !volume;
     if (v->isos > 0 || view_options_filled(v))
@@ -77,6 +78,13 @@ status picture_scene_choose(const leafcast *volume, view_options *v, double *sug
     if (st == ST_OK)
         v->surfaces[0].isovalue = suggested[0];
     return st;
+}
+
+status picture_scene_check_used(const leafcast *volume, const view_options *v) {
+    if (!v->iso_unused)
+        return ST_OK;
+    return status_describe(ST_USAGE, "--iso: \"%s\" is a surface itself: it has no isosurfaces",
+                           leafcast_describe(volume).name);
 }
 
 /* Make the transfer function of one volume of the picture. */

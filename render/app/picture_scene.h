@@ -44,7 +44,9 @@ void picture_scene_release(picture_scene *p);
 /* picture_scene_choose() - find the step of --time, and choose an isovalue if the flags give
  * neither isovalue nor medium. suggested: room for LEAFCAST_SUGGESTIONS_MAX; *count: how many are
  * suggested, 0 if the flags gave isovalues. volume NULL: not open yet, sets any isovalue. ST_USAGE:
- * none can be suggested. */
+ * none can be suggested.
+ * picture_scene_check_used() - ST_USAGE: isovalues were given for a surface, which has none. */
+CHECKED status picture_scene_check_used(const leafcast *volume, const view_options *v);
 CHECKED status picture_scene_choose(const leafcast *volume, view_options *v, double *suggested,
                                     int *count);
 

@@ -143,6 +143,8 @@ static status check_also(const render_job *job, const view_options *first) {
             v->time = first->time;
         }
         st = picture_scene_choose(job->also[i].volume, v, suggested, &count);
+        if (st == ST_OK)
+            st = picture_scene_check_used(job->also[i].volume, v);
         v->painted = painted;
         if (st == ST_OK)
             st = view_options_check(v);
@@ -200,6 +202,8 @@ static status check_files(const render_job *job, const script_frame *frame) {
 status render_job_check(const render_job *job, script_frame *frame) {
     status st =
         picture_scene_choose(job->volume, &frame->view, frame->suggested, &frame->suggestions);
+    if (st == ST_OK)
+        st = picture_scene_check_used(job->volume, &frame->view);
     note_others(job, &frame->view);
     if (st == ST_OK)
         st = view_options_check(&frame->view);

@@ -39,6 +39,7 @@ typedef struct view_options {
     /* It is of a volume that is a surface itself (picture_scene_choose()): its one surface needs no
      * --iso, and the flags of media are colours by the value there. */
     bool is_surface;
+    bool iso_unused;                     /* it is, but an isovalue was given */
     bool unopened;                       /* it is not known yet whether it is of such a volume */
     bool others_surfaces, others_filled; /* some other volume has isosurfaces, or a medium */
     bool takes_media;                    /* the verb draws media; set it before flags are applied */

@@ -75,7 +75,8 @@ enum { MANY_CELLS = 1000000 };
 
 static void tell_slow(const view_verb *o, const view_file *f) {
     const leafcast_info info = leafcast_describe(f->volume);
-    if (info.cells < MANY_CELLS || info.preview_levels > 1)
+    if (info.cells < MANY_CELLS || info.preview_levels > 1 ||
+        (info.abilities & LEAFCAST_ABILITY_GIVEN))
         return;
     if (info.abilities & LEAFCAST_ABILITY_LEVELS)
         cli_note(&o->common, 0,
