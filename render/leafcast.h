@@ -568,7 +568,8 @@ typedef struct leafcast_segment {
 
 /* leafcast_probe_segments() - finds the pieces of a ray, in order of t, whatever surfaces are
  * selected. Writes at most max; *count: how many were written. Cells without data (NaN, inf) and
- * cells without volume give none. Of the scene, only clipping and level of detail matter. */
+ * cells without volume give none. Of the scene, only clipping and level of detail matter.
+ * LEAFCAST_USAGE: the volume is a surface itself (LEAFCAST_ABILITY_GIVEN), which has no inside. */
 LEAFCAST_API leafcast_status leafcast_probe_segments(leafcast *volume, const leafcast_scene *scene,
                                                      const double origin[3],
                                                      const double direction[3],
@@ -621,7 +622,8 @@ typedef struct leafcast_sample {
 } leafcast_sample;
 
 /* leafcast_probe_point() - finds the cell that holds a point. A point outside the volume, or not
- * finite, is not `inside` and has the value NaN. */
+ * finite, is not `inside` and has the value NaN. LEAFCAST_USAGE: the volume is a surface itself
+ * (LEAFCAST_ABILITY_GIVEN), which has no inside; so too from the two calls below. */
 LEAFCAST_API leafcast_status leafcast_probe_point(leafcast *volume, const double point[3],
                                                   leafcast_sample *sample);
 

@@ -14,6 +14,7 @@
 #include "formats/base/shell_line.h"
 #include "formats/base/text.h"
 #include "render/app/cell_text.h"
+#include "render/app/picture_scene.h"
 #include "render/app/ray_profile.h"
 #include "render/app/render_job.h"
 #include "render/app/view_camera.h"
@@ -73,9 +74,10 @@ static status set_option(void *own, int key, const char *text) {
     }
 }
 
-/* Check the view's flags. A ray's profile and a point need no isosurface, a point no camera. */
+/* Check the view's flags. A ray's profile and a point need no isosurface, a point no camera. What
+ * else needs one has that which its picture has: choose_surface(). */
 static status check_view(probe_options *o) {
-    if (o->view.isos > 0 || !(o->point || o->segments))
+    if (o->view.isos > 0)
         return view_options_check(&o->view);
     return o->point ? time_options_check(&o->view.time) : view_options_check_either(&o->view);
 }
@@ -152,7 +154,8 @@ static status set_hit(json_t *out, const probe_options *o, leafcast *volume,
     json_object_set_new(out, "error_bound", cli_json_real(h->error_bound));
     json_object_set_new(out, "point", cli_json_reals(h->point, 3));
     json_object_set_new(out, "id", json_integer(h->surface));
-    json_object_set_new(out, "isovalue", cli_json_real(o->view.surfaces[h->surface].isovalue));
+    if (!o->view.is_surface)
+        json_object_set_new(out, "isovalue", cli_json_real(o->view.surfaces[h->surface].isovalue));
     json_object_set_new(out, "side", side_json(o, h));
     const status st = set_place(out, o, volume, h->level, h->cell, h->at);
     json_object_set_new(out, "gradient", cli_json_reals(h->gradient, 3));
@@ -394,6 +397,18 @@ static status set_rerun(json_t *answer, int argc, char **argv) {
     return ST_OK;
 }
 
+/* Choose what a picture without --iso shows, if a surface is sought. */
+static status choose_surface(probe_options *o, const leafcast *volume) {
+    double suggested[LEAFCAST_SUGGESTIONS_MAX];
+    int count;
+    if (o->view.isos == 0 && (o->point || o->segments))
+        return ST_OK;
+    status st = picture_scene_choose(volume, &o->view, suggested, &count);
+    if (st == ST_OK)
+        st = picture_scene_check_used(volume, &o->view);
+    return st == ST_OK ? view_options_check(&o->view) : st;
+}
+
 /* Select the field and step. Name them in the answer if the file has more than one. */
 static status select_set(probe_options *o, leafcast *volume, json_t *answer) {
     uint32_t field;
@@ -430,6 +445,8 @@ static status run(probe_options *o, json_t *answer) {
         take_words(o, volume);
     if (st == ST_OK)
         st = view_options_check_volume(&o->view, volume);
+    if (st == ST_OK)
+        st = choose_surface(o, volume);
     if (st == ST_OK)
         st = select_set(o, volume, answer);
     if (st == ST_OK)

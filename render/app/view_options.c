@@ -518,8 +518,12 @@ static bool is_transparent(const view_options *v) {
     return v->others_transparent || view_options_transparent(v);
 }
 
+static bool shows_surface(const view_options *v) {
+    return v->isos > 0 || v->others_surfaces;
+}
+
 static bool has_surfaces(const view_options *v) {
-    return v->isos > 0 || v->others_surfaces || v->unopened;
+    return shows_surface(v) || v->unopened;
 }
 
 static bool has_normals(const view_options *v) {
@@ -552,7 +556,7 @@ static bool not_shaded(const view_options *v) {
 }
 
 static bool shows_no_surface(const view_options *v) {
-    return !has_surfaces(v);
+    return !shows_surface(v);
 }
 
 static bool is_clipped(const view_options *v) {

@@ -14,6 +14,7 @@
 #include "render/leafcast_experimental.h"
 #include "render/look/samples.h"
 #include "render/look/scene_facts.h"
+#include "render/ray/kind.h"
 #include "render/ray/placement.h"
 
 /* Limits within which sums of products of values and light do not overflow. */
@@ -476,6 +477,14 @@ status arguments_check_volume(const char *call, const leafcast *v) {
     if (!v)
         return status_describe(ST_USAGE, "%s(): the volume is NULL", call);
     return arguments_check_device(call, v->device);
+}
+
+status arguments_check_values(const char *call, const leafcast *v) {
+    const status st = arguments_check_volume(call, v);
+    if (st != ST_OK || !v->kind->given)
+        return st;
+    return status_describe(ST_USAGE, "\"%s\" is a surface, of %s: it has no values beside it",
+                           leafcast_describe(v).name, v->kind->name);
 }
 
 status arguments_check_options(const leafcast_options *o) {

@@ -21,6 +21,10 @@ const public_fields *const *arguments_tables(int *count);
 CHECKED status arguments_check_volume(const char *call, const leafcast *v);
 CHECKED status arguments_check_device(const char *call, const leafcast_device *d);
 
+/* arguments_check_values() - arguments_check_volume(), and that the volume is no surface itself
+ * (LEAFCAST_ABILITY_GIVEN), which has values on it alone. */
+CHECKED status arguments_check_values(const char *call, const leafcast *v);
+
 CHECKED status arguments_check_options(const leafcast_options *options);
 CHECKED status arguments_check_scene(const leafcast_scene *scene);
 CHECKED status arguments_check_surfaces(const leafcast_surface *surfaces, int count);

@@ -194,8 +194,7 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
     tr.preview = tr.lenient = false;
     /* Make the whole volume active while the ray is followed. Then select the isovalues again. */
     const interest all = interest_of_all();
-    const interest shown =
-        v->kind->given ? all : interest_of_isovalues(v->isovalues, v->isovalue_count);
+    const interest shown = interest_of_isovalues(v->isovalues, v->isovalue_count);
     loader_select(v->treelets, &all);
     if (tracer_ray(&tr, origin, direction, 0.0, INFINITY, &r))
         st = follow(v, &tr, &r, segments, max, count);
@@ -207,6 +206,8 @@ leafcast_status leafcast_probe_segments(leafcast *v, const leafcast_scene *scene
                                         const double origin[3], const double direction[3],
                                         leafcast_segment *segments, int max, int *count) {
     status st = check_call(__func__, v, scene, origin, direction, segments, max, count);
+    if (st == ST_OK)
+        st = arguments_check_values(__func__, v);
     if (st != ST_OK)
         return public_status(st);
     live_hold h;
@@ -288,7 +289,7 @@ static status probe_point(leafcast *v, const double point[3], leafcast_sample *s
 }
 
 leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
-    status st = arguments_check_volume(__func__, v);
+    status st = arguments_check_values(__func__, v);
     if (st == ST_OK)
         st = public_needs(__func__, "point sample", (const void *[]){point, sample});
     if (st != ST_OK)

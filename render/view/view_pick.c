@@ -18,12 +18,14 @@ static void set_cell(json_t *out, const leafcast *volume, uint32_t level, uint64
 }
 
 static void describe_hit(json_t *out, const view_wish *wish, const leafcast_hit *h) {
-    const double isovalue = wish->view.surfaces[h->surface].isovalue;
     uint32_t field;
     json_object_set_new(out, "point", vector(h->point));
     json_object_set_new(out, "t", cli_json_real(h->t));
-    json_object_set_new(out, "value", cli_json_real(isovalue));
-    json_object_set_new(out, "isovalue", cli_json_real(isovalue));
+    if (!wish->view.is_surface) {
+        const double isovalue = wish->view.surfaces[h->surface].isovalue;
+        json_object_set_new(out, "value", cli_json_real(isovalue));
+        json_object_set_new(out, "isovalue", cli_json_real(isovalue));
+    }
     json_object_set_new(out, "gradient", vector(h->gradient));
     json_object_set_new(out, "normal", vector(h->normal));
     json_object_set_new(out, "error_bound", cli_json_real(h->error_bound));

@@ -89,7 +89,8 @@ json_t *view_state_first(const leafcast *volume) {
     }
     if (leafcast_fit_view(volume, 0, 0, &isovalue, 1, 0.0, WIDTH, HEIGHT, &c) != LEAFCAST_OK)
         c = leafcast_standard_view(volume, 2.2, WIDTH, HEIGHT);
-    json_object_set_new(state, "iso", json_pack("[f]", isovalue));
+    if (!(leafcast_describe(volume).abilities & LEAFCAST_ABILITY_GIVEN))
+        json_object_set_new(state, "iso", json_pack("[f]", isovalue));
     json_object_set_new(state, "eye", vector(c.eye));
     json_object_set_new(state, "look-at", vector(c.look_at));
     json_object_set_new(state, "up", vector(c.up));

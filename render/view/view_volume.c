@@ -236,6 +236,7 @@ static json_t *describe(const view_file *files, int count, int which, const view
     json_object_set_new(out, "cell", json_string(info.cell));
     json_object_set_new(out, "cells", json_integer((json_int_t)info.cells));
     json_object_set_new(out, "nodes", json_integer((json_int_t)info.nodes));
+    json_object_set_new(out, "surface", json_boolean(info.abilities & LEAFCAST_ABILITY_GIVEN));
     json_object_set_new(out, "analytic_normals",
                         json_boolean(info.abilities & LEAFCAST_ABILITY_ANALYTIC_NORMALS));
     json_object_set_new(

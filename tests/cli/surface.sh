@@ -142,14 +142,22 @@ ok "is asked for" says 'which isosurface'
 exits "drawn" 0 "$leafcast" render "$tmp/s.leaf" --size 64x48 -o "$tmp/s.pfm" -q
 exits "drawn, compressed" 0 "$leafcast" render "$tmp/z.leaf" --size 64x48 -o "$tmp/z.pfm" -q
 ok "the same picture" cmp "$tmp/s.pfm" "$tmp/z.pfm"
-exits "a point" 0 "$leafcast" probe "$tmp/s.leaf" --point 0.5,0.5,0.1
-ok "is not inside" prints '^inside: no$'
-exits "a slice" 0 "$leafcast" slice "$tmp/s.leaf" --plane 0,0,1,-0.1 -o "$tmp/slice.pfm" -q
+exits "a pixel" 0 "$leafcast" probe "$tmp/s.leaf" --size 64x48 --at 32,24 --json
+ok "shows a triangle" json 'x["count"] == 3 and x["hits"][0]["triangle"] < 800 and len(x["hits"][0]["vertices"]) == 9'
+ok "and no isovalue" json '"isovalue" not in x["hits"][0]'
+for what in "probe --point 0.5,0.5,0.1" "probe --at 32,24 --segments" "slice --plane 0,0,1,-0.1 -o $tmp/x.pfm"; do
+    # shellcheck disable=SC2086 # split on purpose
+    exits "${what%% -o*}" 2 "$leafcast" $what "$tmp/s.leaf"
+    ok "is told" says 'is a surface, of triangles: it has no values beside it'
+    ok "in a line" one_line
+done
+exits "a pixel's isovalue" 2 "$leafcast" probe "$tmp/s.leaf" --at 32,24 --iso 0.5
+ok "is told" says "is a surface itself: it has no isosurfaces"
 exits "resampled" 3 "$leafcast" resample "$tmp/s.leaf" --dims 8 -o "$tmp/x.nrrd"
 ok "is told" says 's.leaf: a surface, of which none is resampled; meshes and curvilinear grids are'
 ok "in a line" one_line
 exits "its input resampled" 3 "$leafcast" resample "$tmp/stays_0.ply" --dims 8 -o "$tmp/x.nrrd"
-ok "is told" says 'stays_0.ply: a surface, which is not of cells'
+ok "is told" says 'stays_0.ply: a surface, which fills no volume'
 exits "filled with tets" 3 "$leafcast" tetrahedralize "$tmp/s.leaf" -o "$tmp/x.mesh"
 ok "is told" says 's.leaf: this is a treelet file'
 exits "converted again" 3 "$leafcast" convert "$tmp/s.leaf" -o "$tmp/x.leaf"

@@ -89,6 +89,8 @@ class App {
     // A new connection begins with the first file, the page does not.
     if (this.model && !again) return void this.link.open(this.volume.which);
     this.volume = volume;
+    document.body.classList.toggle("surface-itself", volume.surface);
+    byId("slices-toggle").disabled = volume.surface;
     for (const [k, name] of sides(volume).entries()) byId("axis").options[k + 1].textContent = name;
     const saved = fromFragment(location.hash), first = !this.opened;
     this.opened = true;

@@ -22,7 +22,7 @@ export class Pick {
     const answer = await this.app.link.pick(place);
     if (!answer || turn !== this.turn) return;
     if (!answer.hit) return this.app.say(answer.why ?? (place.point ? "This is outside."
-      : "There is no surface here. Slices tell values anywhere."), true);
+      : `There is no surface here.${this.app.volume.surface ? "" : " Slices tell values anywhere."}`), true);
     this.points = [...this.points.slice(-1), {...answer, place}];
     this.show();
   }
@@ -53,7 +53,7 @@ export class Pick {
 
   lines(p) {
     const vector = v => v.map(x => short(x, 6)).join(", "), {cell} = this.app.volume;
-    return [["position", vector(p.point)], ["value", p.value == null ? "no data" : short(p.value, 8)],
+    return [["position", vector(p.point)], p.value === undefined ? null : ["value", p.value == null ? "no data" : short(p.value, 8)],
       ["gradient", `${vector(p.gradient)}  (${short(length(p.gradient), 4)})`],
       p.error_bound == null ? null : ["error bound", short(p.error_bound, 2)],
       [cell, [p[cell]].flat().join(", ")],

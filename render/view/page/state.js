@@ -85,15 +85,15 @@ export function fromFlags(given, volume) {
   for (const o of list(flags.opacity))
     if (String(o).includes(":")) for (const p of String(o).split(",")) curve.push(p.split(":").map(Number));
     else opacities.push(+o);
-  const isos = list(flags.iso ?? flags.isovalues).flatMap(v => String(v).split(",").map(Number));
+  const isos = volume.surface ? [0] : list(flags.iso ?? flags.isovalues).flatMap(v => String(v).split(",").map(Number));
   const background = flags.background;
   const field = volume.fields.findIndex((f, i) => f.name === flags.field || String(i) === String(flags.field));
   const f = volume.fields[Math.max(0, field)];
   return {
     camera: cameraOf(flags, volume),
-    surfaces: [...isos.filter(v => v !== nowhere(f)).map((iso, i) =>
+    surfaces: [...isos.filter(v => volume.surface || v !== nowhere(f)).map((iso, i) =>
       ({iso, color: hexOf(colours[i] ?? COLOURS[i % COLOURS.length], "#ffffff"), opacity: opacities[i] ?? 1, on: true})),
-      ...unseenOf(flags.page)].slice(0, SURFACES_MAX),
+      ...volume.surface ? [] : unseenOf(flags.page)].slice(0, SURFACES_MAX),
     volume: volumeOf(flags, curve),
     clip: {box: flags["clip-box"] ? numbers(flags["clip-box"]) : null,
       planes: vectors(flags["clip-plane"]).map(p => ({plane: p, on: true})),
@@ -201,7 +201,7 @@ export function toFlags(model, volume) {
   if (volume.fields.length > 1 && model.data.field > 0) flags.field = String(model.data.field);
   if (model.data.step > 0) flags.step = model.data.step;
   if (!projected && on.length) {
-    flags.iso = on.map(s => s.iso);
+    if (!volume.surface) flags.iso = on.map(s => s.iso);
     flags.colour = on.map(s => s.color);
     if (on.some(s => s.opacity < 1)) flags.opacity = on.map(s => s.opacity);
   } else if (!projected && model.volume.mode === "off") flags.iso = [nowhere(field)];
