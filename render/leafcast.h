@@ -92,7 +92,8 @@ typedef struct leafcast_options {
 
     /* ---- For the device ---- */
 
-    /* Budget for everything, in bytes: directories, treelets, rays. 0: as much as scenes need. */
+    /* Budget for everything, in bytes: directories, treelets, rays. 0: as much as scenes need.
+     * Beside it are lists of a scene's objects: of 4096 some 15 MiB. */
     uint64_t memory;
     int threads; /* render threads, to LEAFCAST_THREADS_MAX. 0: the CPUs this process may use; 1:
                     the caller's thread alone */

@@ -127,7 +127,7 @@ typedef struct leafcast_shown {
     const double *place;
     /* Colours its surfaces by the value there, whatever the extinction: that of an isosurface is
      * the isovalue. NULL: by surfaces[].rgb, or of a volume with LEAFCAST_ABILITY_GIVEN, whose
-     * field is named "rgb", by its own colours. */
+     * field is named "rgb", by its own colours; between two steps by surfaces[].rgb. */
     const leafcast_medium *colours;
 } leafcast_shown;
 

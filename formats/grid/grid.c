@@ -63,7 +63,8 @@ static status check_place(const grid *g, const char *what) {
     char why[LEAF_PLACE_TEXT];
     bool sound = leaf_place_grid((const double *)g->to_world, why);
     for (int a = 0; sound && g->axis[0] && a < 3; a++)
-        sound = leaf_place_axis((const double *)g->to_world, a, g->axis[a], g->dims[a], why);
+        sound = g->dims[a] < 2 || /* nothing is apart */
+                leaf_place_axis((const double *)g->to_world, a, g->axis[a], g->dims[a], why);
     return sound ? ST_OK : status_describe(ST_CORRUPT, "%s: %s", what, why);
 }
 
@@ -71,7 +72,7 @@ static status refuse_flat(const grid *g, const char *what, int a) {
     return status_describe(
         ST_UNSUPPORTED, "%s: %u sample%s along %c; a volume needs at least 2 on every axis%s", what,
         g->dims[a], g->dims[a] == 1 ? "" : "s", "xyz"[a],
-        a == 2 && g->dims[a] == 1 ? " (convert --heights makes terrain of it)" : "");
+        a == 2 && g->dims[a] == 1 && !g->axis[0] ? " (convert --heights makes terrain of it)" : "");
 }
 
 status grid_check_volume(const grid *g, const char *what) {

@@ -101,6 +101,12 @@ static status check_head(const asc_head *h) {
                            h->name, GRID_DIM_MAX);
 }
 
+/* Whether a pair of the head begins here. A first sample may be "nan". */
+static bool is_key(const char *at) {
+    const bool is_nan = strncasecmp(at, "nan", 3) == 0 && !isalpha((unsigned char)at[3]);
+    return isalpha((unsigned char)*at) && !is_nan;
+}
+
 static status asc_layout(volume_layout *l, const volume_hints *hints) {
     asc_head h = {.name = byte_stream_name(l->data)};
     const uint8_t *start;
@@ -114,7 +120,7 @@ static status asc_layout(volume_layout *l, const volume_hints *hints) {
     memcpy(text, start, size);
     text[size] = 0;
     const char *at = text;
-    while (st == ST_OK && isalpha((unsigned char)at[strspn(at, " \t\r\n")]))
+    while (st == ST_OK && is_key(at + strspn(at, " \t\r\n")))
         st = take_pair(&h, &at);
     if (st == ST_OK)
         st = check_head(&h);

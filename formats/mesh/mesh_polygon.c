@@ -100,13 +100,15 @@ static bool is_ear(const flat *f, size_t i) {
     return true;
 }
 
-/* A polygon that crosses itself may have no ear: then any corner is cut. */
+/* A polygon that crosses itself may have no ear: then the rest is cut corner by corner. */
 static void cut_ears(flat *f, uint32_t (*cut)[3]) {
     size_t at = 0, count = 0;
+    bool ears = true;
     for (size_t left = f->corners; left >= 3; left--) {
         size_t tried = 0;
-        for (; left > 3 && tried < left && !is_ear(f, at); tried++)
+        for (; ears && left > 3 && tried < left && !is_ear(f, at); tried++)
             at = f->next[at];
+        ears = tried < left;
         const size_t a = f->previous[at], c = f->next[at];
         cut[count][0] = (uint32_t)a;
         cut[count][1] = (uint32_t)at;

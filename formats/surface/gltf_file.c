@@ -9,7 +9,15 @@
 #include "formats/input/binary_fields.h"
 #include "formats/input/named_file.h"
 
-enum { JSON_MAX = 1 << 28, HEAD = 12, CHUNK_HEAD = 8, DEPTH_MAX = 64, BUFFERS_MAX = 4096 };
+enum {
+    JSON_MAX = 1 << 28,
+    JSON_GROWTH = 48,
+    PLACED_MAX = 1 << 20,
+    HEAD = 12,
+    CHUNK_HEAD = 8,
+    DEPTH_MAX = 64,
+    BUFFERS_MAX = 4096
+};
 #define CHUNK_JSON 0x4e4f534aU
 #define CHUNK_BIN  0x004e4942U
 #define NUMBER_MAX ((int64_t)1 << 48)
@@ -23,11 +31,13 @@ typedef struct scan {
     gltf_file *to;
     const mesh_source *source;
     json_t *root;
+    size_t reserved;        /* bytes: the most that the root may take, of "[],[],[]" */
     uint64_t bin, bin_size; /* the BIN chunk; 0: there is none */
     bool binary;
     buffer *buffers;
     size_t buffer_count;
-    bool *placed; /* nodes that were gone through */
+    bool *placed;      /* nodes that were gone through */
+    size_t primitives; /* of them; nodes may share a mesh */
     size_t nodes;
 } scan;
 
@@ -324,6 +334,8 @@ static status add_primitive(scan *s, const json_t *primitive, const placement to
     gltf_file *f = s->to;
     gltf_part p = {.mirrored = determinant(to) < 0};
     int64_t mode;
+    if (++s->primitives > PLACED_MAX)
+        return fault(s, ST_UNSUPPORTED, "more than %d primitives at nodes", PLACED_MAX);
     status st = get_whole(s, primitive, "a primitive", "mode", GLTF_TRIANGLES, GLTF_FAN, &mode);
     if (st == ST_OK)
         st = get_arrays(s, primitive, &p);
@@ -485,6 +497,10 @@ static status parse(scan *s, uint64_t size) {
     if (size > JSON_MAX)
         return fault(s, ST_UNSUPPORTED, "JSON of %llu bytes, expected at most %d",
                      (unsigned long long)size, JSON_MAX);
+    const size_t room = JSON_GROWTH * (size_t)size;
+    if (!mem_reserve(s->to->m, room))
+        return ST_NOMEM;
+    s->reserved = room;
     char *text = mem_alloc(s->to->m, (size_t)size + 1);
     if (!text)
         return ST_NOMEM;
@@ -555,6 +571,7 @@ status gltf_file_read(const mesh_source *source, gltf_file *out) {
     if (st == ST_OK)
         st = add_scene(&s);
     json_decref(s.root);
+    mem_unreserve(out->m, s.reserved);
     mem_free(out->m, s.buffers);
     mem_free(out->m, s.placed);
     return st;

@@ -116,6 +116,7 @@ static status read_vertex(obj *o, char *at, double numbers[NUMBERS], int *count)
 }
 
 /* Numbers of a colour come last, behind a weight if there are seven. */
+/* A vertex without a colour in a file with some is white, as a part of glTF without one. */
 static status put_vertex(obj *o, surface_flow *flow, char *at) {
     double numbers[NUMBERS] = {0};
     int count = 0;
@@ -125,7 +126,7 @@ static status put_vertex(obj *o, surface_flow *flow, char *at) {
     o->points++;
     for (uint32_t k = 0; st == ST_OK && k < o->choice.taken_count; k++)
         st = surface_flow_value(
-            flow, k, count >= 6 ? surface_colour_value(numbers + count - 3, 1) : (double)NAN);
+            flow, k, count >= 6 ? surface_colour_value(numbers + count - 3, 1) : (double)0xffffff);
     return st;
 }
 

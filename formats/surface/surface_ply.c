@@ -1,6 +1,7 @@
 #include "formats/surface/surface_ply.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -345,16 +346,20 @@ static status read_count(ply *p, const ply_element *e, int64_t index, const ply_
                          int64_t most, int64_t *out) {
     double count = 0;
     status st = read_number(p, e, index, q->count_type, &count);
-    if (st == ST_OK && !(count >= 0 && count <= (double)most))
+    if (st == ST_OK && !(count >= 0 && count <= (double)most && count == floor(count)))
         return status_describe(
-            ST_CORRUPT, "%s: %s %lld (counted from 0): a list of %g, expected 0 to %lld",
+            ST_CORRUPT,
+            "%s: %s %lld (counted from 0): a list of %g, expected a whole number in 0 .. %lld",
             byte_stream_name(p->t.s), e->name, (long long)index, count, (long long)most);
     *out = st == ST_OK ? (int64_t)count : 0;
     return st;
 }
 
+/* A number that is no vertex's gives an id that none has. */
 static uint64_t id_of(double number) {
-    return number >= 0 && number < (double)MESH_POINTS_MAX ? (uint64_t)number : UINT64_MAX;
+    return number >= 0 && number < (double)MESH_POINTS_MAX && number == floor(number)
+               ? (uint64_t)number
+               : UINT64_MAX;
 }
 
 /* ---- elements ---- */
@@ -472,6 +477,9 @@ static status read_elements(ply *p, surface_flow *flow) {
                 "%s: faces in front of the vertices, expected them behind: their "
                 "values give each face points of its own",
                 byte_stream_name(p->t.s));
+        /* A strip has no values of faces. */
+        for (uint32_t k = 0; e->kind == STRIPS && k < p->choice.taken_count; k++)
+            p->values[k] = (double)NAN;
         for (int64_t k = 0; st == ST_OK && k < (e->properties ? e->count : 0); k++) {
             st = read_one(p, e, k, flow);
             if (st == ST_OK && e->kind == VERTICES)

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/app/legend.h"
+#include "render/ray/placement.h"
 
 void picture_scene_init(picture_scene *p, mem *m) {
     *p = (picture_scene){.m = m};
@@ -171,7 +172,9 @@ static void annotate(const picture_volume *first, const leafcast_camera *camera,
     const float *rgba = view->scene.background;
     const bool light = rgba[3] * (0.3f * rgba[0] + 0.6f * rgba[1] + 0.1f * rgba[2]) > 0.2f;
     const leafcast_info info = leafcast_describe(first->volume);
+    const placement place = placement_of(first->place);
     leafcast_image planes = *image;
+    double box[2][3];
     annotation a = view->annotation;
     a.axes = info.axes;
     if (!a.unit[0] && strcmp(info.units[0], info.units[1]) == 0 &&
@@ -179,7 +182,8 @@ static void annotate(const picture_volume *first, const leafcast_camera *camera,
         snprintf(a.unit, sizeof a.unit, "%s", info.units[0]);
     if (view->scene.project != LEAFCAST_PROJECT_NONE || view->isos == 0)
         planes.z = NULL; /* nothing hides the box */
-    annotate_draw(&planes, camera, info.bounds, &a, light, face);
+    placement_box(&place, info.bounds, box);
+    annotate_draw(&planes, camera, box, &a, light, face);
 }
 
 void picture_scene_mark(const picture_scene *p, const picture_volume *volumes,

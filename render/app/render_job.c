@@ -1,5 +1,6 @@
 #include "render/app/render_job.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -510,23 +511,22 @@ static status write_targets(render_job *job, const script_frame *frame,
     return st;
 }
 
-/* Returns a view of the boxes of all objects at their places, as the flags say. */
-static leafcast_camera view_of_all(const render_job *job, const view_options *view) {
+/* Returns a view of the boxes of all objects at their places, as the flags say. *diagonal: that of
+ * a box around these. */
+static leafcast_camera view_of_all(const render_job *job, const view_options *view,
+                                   double *diagonal) {
     double box[2][3], corners[8][3];
     box3_begin(box);
     for (int i = 0; i < job->object_count; i++) {
         const leafcast_info info = leafcast_describe(job->objects[i].volume);
         const placement place = placement_of(job->objects[i].place);
-        for (int k = 0; k < 8; k++) {
-            double own[3], at[3];
-            for (int a = 0; a < 3; a++)
-                own[a] = info.bounds[k >> a & 1][a];
-            placement_to_scene(&place, own, at);
-            box3_widen(box, at, at);
-        }
+        double own[2][3];
+        placement_box(&place, info.bounds, own);
+        box3_widen(box, own[0], own[1]);
     }
     for (int k = 0; k < 8; k++)
         box3_corner(box, k, corners[k]);
+    *diagonal = hypot(hypot(box[1][0] - box[0][0], box[1][1] - box[0][1]), box[1][2] - box[0][2]);
     const uint32_t width = view->camera.width, height = view->camera.height;
     return view_camera_fits(view)
                ? camera_fit((const double(*)[3])corners,
@@ -539,7 +539,7 @@ static view_options hold_fitted(render_job *job, const view_options *view) {
     view_options held = *view;
     const leafcast_camera *size = &view->camera;
     if (job->fits_all) {
-        job->fitted = view_of_all(job, view);
+        job->fitted = view_of_all(job, view, &held.hold_diagonal);
         held.hold = &job->fitted;
     } else if (view_camera_fits(view)) {
         if (job->fitted.width != size->width || job->fitted.height != size->height)

@@ -92,6 +92,7 @@ static status describe_frame(const render_options *o, sequence *s, int number,
     frame->view = o->view;
     memcpy(frame->view.surfaces, isos.surfaces, sizeof isos.surfaces);
     frame->view.isos = isos.isos;
+    frame->view.is_surface = isos.is_surface;
     if (step_list_given(&o->steps))
         frame->view.step = step_list_at(&o->steps, (uint64_t)(index / views % steps_of(o)));
     if (st == ST_OK && s->path) {

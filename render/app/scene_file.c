@@ -41,7 +41,8 @@ static const char *place_in(const reading *r, char what[WHAT_MAX], const char *f
 
 static const char OBJECT_KEYS[] = "file surfaces transform instances",
                   SURFACE_KEYS[] = "isovalue colour color opacity reflectivity",
-                  PICTURE_KEYS[] = "objects camera";
+                  PICTURE_KEYS[] = "objects camera",
+                  CAMERA_KEYS[] = "eye look-at look_at up fov view ortho";
 
 /* Refuse a key. known: those that are no flags of render's. */
 static status unknown(const char *what, const char *key, const char *known) {
@@ -279,6 +280,9 @@ static status read_picture(reading *r, json_t *top, bool inner) {
             continue;
         if (!inner && strcmp(key, "camera") == 0 && json_is_object(item))
             st = read_picture(r, item, true);
+        else if (inner && !cli_options_listed(CAMERA_KEYS, key))
+            st = status_describe(ST_USAGE, "%s: there is no \"%s\" (keys: %s)", what, key,
+                                 CAMERA_KEYS);
         else if (is_flag(key, false))
             st = script_flag(&r->picture, key, item, what);
         else if (is_flag(key, true))
@@ -334,7 +338,8 @@ static status put_objects(reading *r, render_options *o) {
     for (int i = 0; i < more; i++)
         if (!render_options_also(o))
             return ST_NOMEM;
-    memmove(o->also + more, o->also, (size_t) and *sizeof *o->also);
+    if (and > 0)
+        memmove(o->also + more, o->also, (size_t) and *sizeof *o->also);
     for (int i = 0; i < more; i++) {
         o->also[i] = r->objects[i + 1];
         r->objects[i + 1] = (render_also){.same = -1};

@@ -31,17 +31,25 @@ static leafcast_camera first_view(const view_options *v, const leafcast *volume)
     return leafcast_standard_view(volume, v->distance, given->width, given->height);
 }
 
-/* Move the eye in front of the whole volume: parallel rays begin in the plane through it. */
-static void step_back(leafcast_camera *c, const leafcast *volume) {
+static double diagonal_of(const leafcast *volume) {
     const leafcast_info info = leafcast_describe(volume);
-    double diagonal = 0.0, away = 0.0;
+    double square = 0.0;
     for (int a = 0; a < 3; a++) {
-        const double edge = info.bounds[1][a] - info.bounds[0][a], from = c->eye[a] - c->look_at[a];
-        diagonal += edge * edge;
+        const double edge = info.bounds[1][a] - info.bounds[0][a];
+        square += edge * edge;
+    }
+    return sqrt(square);
+}
+
+/* Move the eye in front of all that is shown: parallel rays begin in the plane through it. */
+static void step_back(leafcast_camera *c, double diagonal) {
+    double away = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const double from = c->eye[a] - c->look_at[a];
         away += from * from;
     }
     for (int a = 0; a < 3; a++)
-        c->eye[a] = c->look_at[a] + (c->eye[a] - c->look_at[a]) * sqrt(diagonal / away);
+        c->eye[a] = c->look_at[a] + (c->eye[a] - c->look_at[a]) * diagonal / sqrt(away);
 }
 
 leafcast_camera view_camera_of(const view_options *v, const leafcast *volume) {
@@ -57,7 +65,7 @@ leafcast_camera view_camera_of(const view_options *v, const leafcast *volume) {
         c.fov = given->fov;
     c.ortho_height = given->ortho_height;
     if (c.ortho_height > 0.0 && !v->eye)
-        step_back(&c, volume);
+        step_back(&c, v->hold_diagonal > 0.0 ? v->hold_diagonal : diagonal_of(volume));
     /* Looking straight down or up, +z cannot be up. */
     if (!v->up && c.eye[0] == c.look_at[0] && c.eye[1] == c.look_at[1]) {
         c.up[1] = 1.0;

@@ -526,6 +526,10 @@ static bool has_surfaces(const view_options *v) {
     return shows_surface(v) || v->unopened;
 }
 
+static bool has_inside(const view_options *v) {
+    return !v->is_surface || v->others_surfaces;
+}
+
 static bool has_normals(const view_options *v) {
     return has_surfaces(v) || v->scene.shade_media;
 }
@@ -592,6 +596,7 @@ static const flag_need NEEDS[] = {
      "--legend is of media and projections: --tf, --colour-map, --opacity V:A or --project"},
     {MEDIUM_UNIT, is_annotated, "--unit is of --annotate"},
     {MEDIUM_CAPS, has_surfaces, "--caps: there is no surface without --iso"},
+    {MEDIUM_CAPS, has_inside, "--caps: a surface itself has no inside"},
     {MEDIUM_CAPS, is_clipped, "--caps: nothing is cut open without --clip-box or --clip-plane"},
     {SHADING, has_surfaces, "--shading: there is no surface without --iso"},
     {NORMALS, has_normals, "--normals: there is no surface without --iso"},

@@ -31,6 +31,7 @@ typedef struct view_options {
     bool fit;                    /* --view fit; else `distance` counts */
     double distance;             /* of --view, in longest edges of the volume */
     const leafcast_camera *hold; /* view to use instead of a new one; or NULL */
+    double hold_diagonal;        /* of a box around what that view shows; 0: around the volume */
     char field[VIEW_FIELD_MAX];  /* "": the first field */
     uint32_t step;
     time_options time;       /* or a time: picture_scene_choose() finds its step */

@@ -77,11 +77,12 @@ static void cross_edge(const seen_polygon *s, int i, int j, crossing *out) {
                          least(ti, tj), most(ti, tj));
 }
 
+/* Symmetric in points 1 and 2 to the bit. */
 static void cross_inside(const seen_polygon *s, const uint8_t c[3], const exact_estimate w[3],
                          crossing *out) {
     const double t0 = along_of(s, c[0]), t1 = along_of(s, c[1]), t2 = along_of(s, c[2]);
     const double w0 = fabs(w[0].value), w1 = fabs(w[1].value), w2 = fabs(w[2].value);
-    const double sum = w0 + w1 + w2, lo = least(t0, least(t1, t2)), hi = most(t0, most(t1, t2));
+    const double sum = w0 + (w1 + w2), lo = least(t0, least(t1, t2)), hi = most(t0, most(t1, t2));
     out->t = kept_within(t0 + (w1 * (t1 - t0) + w2 * (t2 - t0)) / sum, lo, hi);
 }
 

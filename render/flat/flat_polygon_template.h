@@ -80,7 +80,7 @@ SIMD verdict judge(weights w0, weights w1, weights w2) {
 SIMD vd cross_at(const vd d[3], const vd a0[3], const vd a1[3], const vd a2[3], weights w0,
                  weights w1, weights w2) {
     const vd t0 = dot(d, a0), t1 = dot(d, a1), t2 = dot(d, a2);
-    const vd sum = w0.modulus + w1.modulus + w2.modulus;
+    const vd sum = w0.modulus + (w1.modulus + w2.modulus);
     const vd lo = d_min(t0, d_min(t1, t2)), hi = d_max(t0, d_max(t1, t2));
     const vd t = t0 + (w1.modulus * (t1 - t0) + w2.modulus * (t2 - t0)) / sum;
     return d_max(lo, d_min(t, hi)) / dot(d, d);

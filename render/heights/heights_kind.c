@@ -89,8 +89,11 @@ static double heights_cells_along(const leafcast *v, const double vector[3]) {
 /* ---- A frame ---- */
 
 static status heights_check(const leafcast *v, const leafcast_scene *scene) {
+    status st = ST_OK;
     if (v->file->header.bare && scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0)
-        return leaf_file_check_level(v->file, scene->lod_level);
+        st = leaf_file_check_level(v->file, scene->lod_level);
+    if (st != ST_OK)
+        return st;
     if (scene->smooth_normals || scene_intersector(scene) != LEAFCAST_MARMITT)
         return status_describe(ST_USAGE, "a height field has no intersectors or smooth normals");
     return ST_OK;

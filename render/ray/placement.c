@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/base/box3.h"
 #include "render/leafcast.h"
 
 /* ---- Norms ---- */
@@ -55,6 +56,11 @@ status placement_check(const double *place) {
                                "leafcast_shown.place: the largest of the nine numbers that scale "
                                "and turn is %g: %g to %g is possible",
                                most, 1.0 / LEAFCAST_SCALE_MOST, LEAFCAST_SCALE_MOST);
+    for (int i = 3; i < 12; i += 4)
+        if (!(fabs(place[i]) <= LEAFCAST_PLACE_MOST))
+            return status_describe(ST_USAGE,
+                                   "leafcast_shown.place: it moves by %g: at most %g is possible",
+                                   place[i], LEAFCAST_PLACE_MOST);
     for (int i = 0; i < 12; i++)
         scaled[i] = i % 4 == 3 ? 0.0 : place[i] / most;
     affine_init(&unit, scaled);
@@ -106,6 +112,17 @@ void placement_to_scene(const placement *p, const double own[3], double scene[3]
         affine_point_to_world(&p->space, own, scene);
     else
         memcpy(scene, own, 3 * sizeof *scene);
+}
+
+void placement_box(const placement *p, const double own[2][3], double scene[2][3]) {
+    box3_begin(scene);
+    for (int k = 0; k < 8; k++) {
+        double corner[3], at[3];
+        for (int a = 0; a < 3; a++)
+            corner[a] = own[k >> a & 1][a];
+        placement_to_scene(p, corner, at);
+        box3_widen(scene, at, at);
+    }
 }
 
 /* A bound of how far a place of that reach is off, on an axis of the volume's own world, as the

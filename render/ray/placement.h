@@ -37,6 +37,9 @@ const double *placement_vector(const placement *p, const double scene[3], double
 /* placement_to_scene() - take a point of the volume's own world to the scene's. */
 void placement_to_scene(const placement *p, const double own[3], double scene[3]);
 
+/* placement_box() - a box of the scene's world around one of the volume's own. */
+void placement_box(const placement *p, const double own[2][3], double scene[2][3]);
+
 /* placement_take_back() - take a point of a surface to the scene's world. reach: bounds of the
  * magnitudes of the hit, and of the ray's start, on each axis of the volume's own world. */
 void placement_take_back(const placement *p, const double reach[3], surface_point *point);

@@ -6,23 +6,15 @@
 #include "formats/base/vec3.h"
 #include "render/look/picture_bytes.h"
 
-/* Whether a comes before b: x before y before z. */
-static bool is_before(const float a[3], const float b[3]) {
-    for (int k = 0; k < 2; k++)
-        if (a[k] != b[k])
-            return a[k] < b[k];
-    return a[2] < b[2];
-}
-
 void triangle_polygon(const triangle *x, flat_polygon *out) {
-    static const int from[4] = {0, 2, 1, 1};
+    const int first = triangle_first(x->p[0], x->p[1], x->p[2]);
     out->count = 3;
     for (int i = 0; i < 4; i++) {
-        const float *p = x->p[from[i]];
+        const float *p = x->p[(first + 3 - (i < 3 ? i : 2)) % 3];
         out->edge[i] = 0;
         for (int k = 0; k < 3; k++) {
             out->p[i][k] = (double)p[k];
-            out->edge[i] = (uint8_t)(out->edge[i] + is_before(x->p[k], p));
+            out->edge[i] = (uint8_t)(out->edge[i] + triangle_is_before(x->p[k], p));
         }
     }
 }

@@ -3,8 +3,13 @@
  * A triangle is a flat_polygon whose points are ranked by their coordinates, x before y before z.
  * So two triangles with an edge in common agree about its ends wherever they have them from: as one
  * vertex, as two at one place, from two treelets or files. No ray slips through between them, and
- * one through the edge meets it at one t: flat_polygon.h. Of several triangles there, the one of
- * the lowest number counts.
+ * one through the edge meets it at one t: flat_polygon.h. So do two triangles of the same three
+ * points, in whatever order these come: the one of the lowest rank is the first.
+ *
+ * Of several triangles met at one t, those seen from the front count as one crossing, those seen
+ * from behind as another, behind it; each has the colour of the lowest number. So a sheet of two
+ * sides, triangles back to back, has on either side what faces it. Neighbours that turn differently
+ * are two crossings on the edge between them.
  *
  * The normal is that of the right-hand rule: in most files it points out of what the surface is
  * around. A ray that goes against it enters; the gradient of surface_point is against it, too, of
@@ -21,7 +26,32 @@ typedef struct triangle {
     float value[3];
 } triangle;
 
-/* triangle_polygon() - the triangle turned over, as rays meet it: its points are 0, 2, 1. */
+/* triangle_less() - the order of hits of one ray on triangles: (t, iso, front first, number). */
+static inline bool triangle_less(const hit *a, const hit *b) {
+    if (a->t != b->t)
+        return a->t < b->t;
+    if (a->iso != b->iso)
+        return a->iso < b->iso;
+    return a->entering != b->entering ? a->entering : a->cell < b->cell;
+}
+
+/* triangle_is_before() - whether a point's rank is lower. */
+static inline bool triangle_is_before(const float a[3], const float b[3]) {
+    for (int k = 0; k < 2; k++)
+        if (a[k] != b[k])
+            return a[k] < b[k];
+    return a[2] < b[2];
+}
+
+/* triangle_first() - the corner of the lowest rank. The triangle is turned over, as rays meet it:
+ * its points are corners first, first + 2, first + 1 (mod 3). */
+static inline int triangle_first(const float a[3], const float b[3], const float c[3]) {
+    if (triangle_is_before(b, a))
+        return triangle_is_before(c, b) ? 2 : 1;
+    return triangle_is_before(c, a) ? 2 : 0;
+}
+
+/* triangle_polygon() - the triangle as rays meet it. */
 void triangle_polygon(const triangle *x, flat_polygon *out);
 
 /* triangle_flat_facts() - what all rays that meet a triangle have in common. */

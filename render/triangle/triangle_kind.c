@@ -1,5 +1,6 @@
 #include "render/triangle/triangle_kind.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "formats/base/box3.h"
@@ -40,7 +41,14 @@ static void triangle_describe(const leafcast *v, leafcast_info *info) {
     info->cells = v->file->header.tets;
     info->nodes = v->file->header.vertices;
     info->abilities = LEAFCAST_ABILITY_GIVEN;
-    tree_describe(v, 1.0 / (double)info->cells, info);
+    tree_describe(v, 1.0, info);
+    /* A share of the box's largest side: a surface in a plane has no other. */
+    double side[3];
+    for (int a = 0; a < 3; a++)
+        side[a] = info->bounds[1][a] - info->bounds[0][a];
+    const double area =
+        fmax(side[0] * side[1], fmax(side[1] * side[2], side[2] * side[0])) / (double)info->cells;
+    info->cell_size = sqrt(area);
 }
 
 /* ---- A frame ---- */

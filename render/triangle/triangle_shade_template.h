@@ -31,15 +31,15 @@ static uint64_t triangle_cell_of(const frame *f, const tile_surface *s) {
     return resident_triangles_of(s->at)->blocks.first + s->local;
 }
 
-static bool triangle_less(const hit *a, const hit *b) {
-    return flat_polygon_less(a, b);
+static bool triangle_comes_before(const hit *a, const hit *b) {
+    return triangle_less(a, b);
 }
 
 static bool triangle_same(const hit *a, const hit *b) {
     return flat_polygon_double(a, b);
 }
 
-static const tile_order triangle_order = {triangle_cell_of, triangle_less, triangle_same};
+static const tile_order triangle_order = {triangle_cell_of, triangle_comes_before, triangle_same};
 
 static triangle triangle_met(const tile_surface *x) {
     return triangle_walk_one(&resident_triangles_of(x->at)->blocks, x->local);

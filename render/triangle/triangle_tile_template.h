@@ -126,30 +126,18 @@ SIMD unsigned covers_of(const flat_tile *w, const triangle_lanes *l, const trian
     return mf_bits(mf_and_not(alive, none));
 }
 
-/* Whether a is before b, as triangle_polygon() ranks them. */
-SIMD bool ranks_before(const double a[3], const double b[3]) {
-    return a[0] != b[0] ? a[0] < b[0] : a[1] != b[1] ? a[1] < b[1] : a[2] < b[2];
-}
-
-/* Queue a lane's triangle, turned over: triangle_polygon(). Flush when the queue is full. */
+/* Queue a lane's triangle: triangle_polygon(). Flush when the queue is full. */
 SIMD void put_triangle(flat_tile *w, const triangle_blocks *b, const triangle_lanes *l,
                        unsigned lane, tile_rect rect, uint32_t centres) {
-    static const int from[3] = {0, 2, 1};
     flat_queue *q = &w->queue;
     const unsigned to = q->count++;
-    double p[3][3];
+    triangle x;
+    flat_polygon g;
     for (int i = 0; i < 3; i++)
         for (int a = 0; a < 3; a++)
-            p[i][a] = (double)b->p[a][l->vertex[from[i]][lane]];
-    for (int i = 0; i < 4; i++) {
-        const double *at = p[i < 3 ? i : 2];
-        q->polygons.edge[to][i] = 0;
-        for (int k = 0; k < 3; k++)
-            q->polygons.edge[to][i] = (uint8_t)(q->polygons.edge[to][i] + ranks_before(p[k], at));
-        for (int a = 0; a < 3; a++)
-            q->polygons.p[i][a][to] = at[a];
-    }
-    q->polygons.count[to] = 3;
+            x.p[i][a] = b->p[a][l->vertex[i][lane]];
+    triangle_polygon(&x, &g);
+    polygon_lanes_put(&q->polygons, to, &g);
     q->at[to] = w->at;
     q->local[to] = l->local[lane];
     q->iso[to] = 0;

@@ -32,14 +32,16 @@ static bool passes_box(const box_line *line, const triangle *x) {
 
 static bool meet(const triangle *x, uint64_t number, const ray *r, trace_state *state,
                  ray_counters *counters) {
+    const hit *after = &state->after, from = {after->t, 0, -1, false},
+              behind = {after->t, UINT64_MAX, after->iso, after->entering};
     flat_polygon g;
     hit found;
     triangle_polygon(x, &g);
     counters->cells++;
-    if (!flat_polygon_next(&g, r, number, 0, &state->after, &found))
+    if (!flat_polygon_hit(&g, r, number, 0, &from, &found) || !triangle_less(&behind, &found))
         return false;
     counters->roots++;
-    if (!flat_polygon_less(&found, &state->best))
+    if (!triangle_less(&found, &state->best))
         return false;
     state->best = found;
     return true;

@@ -151,6 +151,8 @@ for what in "probe --point 0.5,0.5,0.1" "probe --at 32,24 --segments" "slice --p
     ok "is told" says 'is a surface, of triangles: it has no values beside it'
     ok "in a line" one_line
 done
+exits "caps" 2 "$leafcast" render "$tmp/s.leaf" --clip-box 0,0,-1,0.5,1,1 --caps -o "$tmp/x.png" -q
+ok "is told" says 'a surface itself has no inside'
 exits "a pixel's isovalue" 2 "$leafcast" probe "$tmp/s.leaf" --at 32,24 --iso 0.5
 ok "is told" says "is a surface itself: it has no isosurfaces"
 exits "resampled" 3 "$leafcast" resample "$tmp/s.leaf" --dims 8 -o "$tmp/x.nrrd"
@@ -162,6 +164,48 @@ exits "filled with tets" 3 "$leafcast" tetrahedralize "$tmp/s.leaf" -o "$tmp/x.m
 ok "is told" says 's.leaf: this is a treelet file'
 exits "converted again" 3 "$leafcast" convert "$tmp/s.leaf" -o "$tmp/x.leaf"
 ok "is told" says 's.leaf: this is a treelet file'
+
+# ---- triangles at one place ----
+
+# face FILE ROW..: a triangle, once per row: its corners, then its colour.
+face() {
+    to=$1
+    shift
+    {
+        printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n'
+        printf 'element face %d\nproperty list uchar int vertex_indices\n' $#
+        printf 'property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n-0.3 0.1 0.7\n5.2 0.4 0.1\n1.7 4.9 1.3\n'
+        printf '3 %s\n' "$@"
+    } >"$tmp/$to.ply"
+    "$leafcast" convert "$tmp/$to.ply" --fields all -o "$tmp/$to.leaf" --force -q
+}
+face red '0 1 2 255 0 0'
+face blue '2 1 0 0 0 255'
+face turned '0 1 2 255 0 0' '1 2 0 0 255 0' '2 0 1 0 0 255'
+face sides '2 1 0 0 0 255' '0 1 2 255 0 0'
+for isa in auto scalar; do
+    for seen in "front 3,1,9 red" "behind 3,1,-9 blue"; do
+        # shellcheck disable=SC2086 # split on purpose
+        set -- $seen
+        for what in $3 turned sides; do
+            "$leafcast" render "$tmp/$what.leaf" --field rgb --size 64x48 --eye $2 --look-at 2,2,0.7 --isa $isa --shading flat \
+                -o "$tmp/$1_$what.pfm" --force -q || true
+            "$leafcast" render "$tmp/$what.leaf" --field rgb --size 64x48 --eye $2 --look-at 2,2,0.7 --isa $isa --shading flat \
+                --opacity 0.5 -o "$tmp/$1_$what.glass.pfm" --force -q || true
+        done
+        ok "$isa: from $1, two sides show the one that faces the eye" cmp "$tmp/$1_$3.pfm" "$tmp/$1_sides.pfm"
+    done
+    ok "$isa: of one triangle in three orders the first is seen" cmp "$tmp/front_red.pfm" "$tmp/front_turned.pfm"
+    ok "$isa: as one layer" cmp "$tmp/front_red.glass.pfm" "$tmp/front_turned.glass.pfm"
+    ok "$isa: two sides are two" [ "$(cmp "$tmp/front_red.glass.pfm" "$tmp/front_sides.glass.pfm" | wc -l)" = 1 ]
+done
+
+# ---- sequences ----
+
+exits "steps of a surface" 0 "$leafcast" render "$tmp/m.leaf" --steps all --size 32x24 -o "$tmp/step_%d.pfm" -q
+ok "are three pictures" [ "$(ls "$tmp"/step_?.pfm | wc -l)" = 3 ]
+exits "turns of a surface" 0 "$leafcast" render "$tmp/s.leaf" --turntable 3 --size 32x24 -o "$tmp/turn_%d.pfm" -q
+ok "are three pictures" [ "$(ls "$tmp"/turn_?.pfm | wc -l)" = 3 ]
 
 # ---- interrupted, in little memory ----
 

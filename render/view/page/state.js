@@ -209,7 +209,7 @@ export function toFlags(model, volume) {
   if (model.clip.box) flags["clip-box"] = model.clip.box;
   const planes = model.clip.planes.filter(p => p.on).map(p => p.plane);
   if (planes.length) flags["clip-plane"] = planes;
-  if (model.clip.caps !== "off" && !projected && on.length && (planes.length || model.clip.box))
+  if (model.clip.caps !== "off" && !volume.surface && !projected && on.length && (planes.length || model.clip.box))
     flags.caps = model.clip.caps || true;
   Object.assign(flags, cameraFlags(model.camera, volume));
   lightFlags(model.light, flags);

@@ -46,7 +46,8 @@ static void test_ply(void **state) {
     refused("a.ply", PLY("1", "0") "0 0    \n", ST_CORRUPT, "nothing more here, expected a number");
     refused("a.ply", PLY("1", "0") "0 0 1e39\n", ST_CORRUPT, "point 0 (counted from 0) lies at");
     refused("a.ply", PLY("1", "0") "0 0 1 7\n", ST_CORRUPT, "\"7\", expected the end");
-    refused("a.ply", PLY("4", "1") SQUARE "-1 0 1\n", ST_CORRUPT, "a list of -1, expected 0 to");
+    refused("a.ply", PLY("4", "1") SQUARE "-1 0 1\n", ST_CORRUPT,
+            "a list of -1, expected a whole number");
     refused("a.ply",
             "ply\nformat binary_little_endian 1.0\nelement vertex 1\n" XYZ
             "end_header\n12345678901",
@@ -61,6 +62,22 @@ static void test_ply(void **state) {
     assert_int_equal(a->report.skipped, 1);
     assert_int_equal(a->report.polygons, 1);
     assert_int_equal(a->report.fanned, 0);
+    /* Half a vertex is none; half a corner is no count. */
+    a = surface_files_good(scratch_text("a.ply", PLY("4", "2") SQUARE "3 0 1 2\n3 0 1.5 2\n"),
+                           NULL);
+    assert_int_equal(a->report.tets, 1);
+    assert_int_equal(a->report.bad_indices, 1);
+    refused("a.ply", PLY("4", "1") SQUARE "3.5 0 1 2 3\n", ST_CORRUPT, "a list of 3.5, expected");
+    /* A strip behind faces with values has none. */
+    a = surface_files_good(
+        scratch_text("a.ply", "ply\nformat ascii 1.0\nelement vertex 4\n" XYZ
+                              "element face 1\nproperty float q\n"
+                              "property list uchar int vertex_indices\nelement tristrips 1\n"
+                              "property list int int vertex_indices\nend_header\n" SQUARE
+                              "7 3 0 1 2\n4 0 1 3 2\n"),
+        NULL);
+    assert_int_equal(a->report.tets, 3);
+    assert_true(a->values[0][0] == 7.0F && isnan(a->values[0][3]) && isnan(a->values[0][8]));
 }
 
 static void test_stl(void **state) {
@@ -108,7 +125,7 @@ static void test_obj(void **state) {
                                                  "f 1 2 3"),
                            NULL);
     assert_string_equal(a->report.field, "rgb");
-    assert_true(a->values[0][0] == 128 * 65536 + 64 * 256 + 255 && isnan(a->values[0][1]));
+    assert_true(a->values[0][0] == 128 * 65536 + 64 * 256 + 255 && a->values[0][1] == 0xffffff);
     assert_true(a->values[0][2] == 255);
     const char *const twice[] = {"rgb", "rgb"};
     assert_int_equal(surface_files_read(scratch_path("a.obj"), NULL, twice, 2, &a), ST_UNSUPPORTED);

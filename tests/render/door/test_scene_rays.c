@@ -135,8 +135,6 @@ static void scenes_are_checked(void **state) {
                      LEAFCAST_USAGE)
     v.shown[1].volume = w.volume[1]; /* of another device */
     REFUSED();
-    v.shown[1] = v.shown[0]; /* twice */
-    REFUSED();
     v.scene.volume_count = 1;
     v.shown[0].step = 1;
     REFUSED();
