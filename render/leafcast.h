@@ -92,8 +92,7 @@ typedef struct leafcast_options {
 
     /* ---- For the device ---- */
 
-    /* Budget for everything, in bytes: directories, treelets, rays. 0: as much as scenes need.
-     * Beside it are lists of a scene's objects: of 4096 some 15 MiB. */
+    /* Budget for everything, in bytes: directories, treelets, rays. 0: as much as scenes need. */
     uint64_t memory;
     int threads; /* render threads, to LEAFCAST_THREADS_MAX. 0: the CPUs this process may use; 1:
                     the caller's thread alone */
@@ -622,9 +621,8 @@ typedef struct leafcast_sample {
     uint32_t treelet;
 } leafcast_sample;
 
-/* leafcast_probe_point() - finds the cell that holds a point. A point outside the volume, or not
- * finite, is not `inside` and has the value NaN. LEAFCAST_USAGE: the volume is a surface itself
- * (LEAFCAST_ABILITY_GIVEN), which has no inside; so too from the two calls below. */
+/* leafcast_probe_point() - finds the cell that holds a point. Outside the volume, or not finite, it
+ * is not `inside`, and its value is NaN. LEAFCAST_USAGE, as below: a surface itself has none. */
 LEAFCAST_API leafcast_status leafcast_probe_point(leafcast *volume, const double point[3],
                                                   leafcast_sample *sample);
 

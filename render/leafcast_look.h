@@ -135,7 +135,8 @@ typedef struct leafcast_shown {
 #define LEAFCAST_SCALE_UNEVEN 1e6
 
 enum {
-    LEAFCAST_VOLUMES_MAX = 4096, /* objects of a scene */
+    LEAFCAST_VOLUMES_MAX = 4096, /* objects of a scene; of so many, lists take some 15 MiB beside
+                                    leafcast_options.memory */
     LEAFCAST_MEDIA_MAX = 16      /* those among them that are filled with a medium */
 };
 

@@ -142,7 +142,7 @@ static status asc_layout(volume_layout *l, const volume_hints *hints) {
 }
 
 const grid_reader heights_asc_reader = {
-    .format = "Arc ASCII grid", .known = asc_known, .layout = asc_layout};
+    .format = "Arc ASCII grid", .known = asc_known, .layout = asc_layout, .terrain = true};
 
 /* ---- SRTM tiles ---- */
 
@@ -194,4 +194,4 @@ static status hgt_layout(volume_layout *l, const volume_hints *hints) {
 }
 
 const grid_reader heights_hgt_reader = {
-    .format = "SRTM tile", .known = hgt_known, .layout = hgt_layout};
+    .format = "SRTM tile", .known = hgt_known, .layout = hgt_layout, .terrain = true};

@@ -176,7 +176,7 @@ static status open_layout(const grid_reader *r, volume_layout *l, const volume_h
     status st = r->layout(l, hints);
     if (st == ST_OK)
         st = volume_layout_settle(l, hints);
-    if (st == ST_OK && hints->heights)
+    if (st == ST_OK && (hints->heights || r->terrain))
         heights_layout(l);
     if (st == ST_OK)
         st = volume_layout_check(l);
@@ -200,7 +200,7 @@ static status open_reader(volume_layout *l, const volume_hints *hints, slice_sou
 
 /* Apply the hints. v->from must be set. */
 static status begin(volume *v, const volume_hints *hints) {
-    status st = hints->heights ? heights_slices(&v->from) : ST_OK;
+    status st = hints->heights || v->from.g.heights ? heights_slices(&v->from) : ST_OK;
     if (st == ST_OK)
         st = apply_hints(&v->from, hints);
     v->g = v->from.g;

@@ -192,7 +192,7 @@ static void prepare_heights(convert_request *a) {
 }
 
 static status run(convert_request *a, mem *m, input *in, double start) {
-    if (a->hints.grid.heights)
+    if (volume_grid(in->own)->heights)
         prepare_heights(a);
     status st = convert_grid_sets(&a->sets, in->own, a->common.input);
     if (st == ST_OK)

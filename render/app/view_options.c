@@ -507,13 +507,6 @@ static bool is_phong(const view_options *v) {
     return v->scene.shading == LEAFCAST_SHADING_PHONG;
 }
 
-bool view_options_transparent(const view_options *v) {
-    for (int i = 0; i < v->opacities; i++)
-        if (v->surfaces[i].opacity < 1.0f)
-            return true;
-    return false;
-}
-
 static bool is_transparent(const view_options *v) {
     return v->others_transparent || view_options_transparent(v);
 }
@@ -532,23 +525,6 @@ static bool has_inside(const view_options *v) {
 
 static bool has_normals(const view_options *v) {
     return has_surfaces(v) || v->scene.shade_media;
-}
-
-bool view_options_filled(const view_options *v) {
-    return v->scene.project != LEAFCAST_PROJECT_NONE ||
-           (!v->is_surface && medium_options_given(&v->medium));
-}
-
-bool view_options_coloured(const view_options *v) {
-    return v->is_surface && medium_options_given(&v->medium);
-}
-
-bool view_options_any_filled(const view_options *v) {
-    return v->others_filled || view_options_filled(v);
-}
-
-bool view_options_any_medium(const view_options *v) {
-    return v->scene.project == LEAFCAST_PROJECT_NONE && view_options_any_filled(v);
 }
 
 static bool is_certified(const view_options *v) {
@@ -693,17 +669,4 @@ status view_options_check(view_options *v) {
     if (st == ST_OK)
         st = view_options_check_either(v);
     return st == ST_OK ? check_flags(v, NEEDS, sizeof NEEDS / sizeof *NEEDS) : st;
-}
-
-leafcast_scene view_options_scene(const view_options *v, leafcast_scene_experiments *e) {
-    leafcast_scene scene = v->scene;
-    *e = v->experiments;
-    e->size = sizeof *e;
-    scene.experiments = e;
-    return scene;
-}
-
-status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field) {
-    *field = 0;
-    return v->field[0] ? (status)leafcast_find_field(volume, v->field, field) : ST_OK;
 }

@@ -209,6 +209,11 @@ def meshes():
     form("mesh_vtk_parts", "u.pvd", "u.pvd", "u0.vtu", "u1.vtu")
 
 
+def terrain():
+    form("heights_asc", write("h.asc", "ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + "1 2 3 4\n" * 3))
+    form("heights_hgt", write("h.hgt", struct.pack(">16h", *range(16))))
+
+
 def surfaces():
     faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
     form("surface", write("s.off", "OFF\n4 4 0\n" + "".join("%g %g %g\n" % p for p in CORNERS[:4])
@@ -323,5 +328,5 @@ def dicom():
     form("import-dicom", "dcm", *["dcm/%d.dcm" % z for z in range(4)])
 
 
-for make in nrrd, metaimage, nifti, others, vtk_grids, xdmf_raw, raw, zarr, meshes, surfaces, hdf5, netcdf, exodus, cgns, images, dicom:
+for make in nrrd, metaimage, nifti, others, vtk_grids, xdmf_raw, raw, zarr, meshes, terrain, surfaces, hdf5, netcdf, exodus, cgns, images, dicom:
     make()

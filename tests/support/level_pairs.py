@@ -43,6 +43,9 @@ FLAGS = {
     "a first hit": {"project": "first=0.5"},
     "shadows": {"light": [[1, 1, 2]], "shadows": True},
     "a point light": {"point-light": [[2, 2, 2]], "ambient": 0.3},
+    "a sun": {"light": [[1, 1, 2, 5]], "light-samples": 4, "shadows": True},
+    "hidden light": {"occlusion": "0.3"},
+    "mirrors": {"reflect": "0.4"},
     "highlights": {"shading": "phong", "specular": 0.5, "shininess": 9},
     "analytic normals": {"normals": "analytic"},
     "smooth normals": {"normals": "smooth"},
@@ -56,7 +59,7 @@ FLAGS = {
     "what is written beside": {"annotate": True, "legend": True},
 }
 # What says nothing of what is drawn from which level: files, sequences, how it is run, words.
-BESIDE = """allow-missing certify depth-f64 error-f64 fail-empty format rgba-f64 stats value-f64 write-tf and axes state camera-path frames
+BESIDE = """allow-missing follow-links certify depth-f64 error-f64 fail-empty format rgba-f64 stats value-f64 write-tf and axes state camera-path frames
     iso-list script steps turntable force help-all json memory output quiet threads usage verbose backend isa isopolygons
     packets progressive repeat schema traversal treelet-limit help version size font title unit field step time interpolate lod""".split()
 
