@@ -334,12 +334,12 @@ static void take_first(view_options *to, const view_options *of) {
 
 /* Put the objects before those of --and. */
 static status put_objects(reading *r, render_options *o) {
-    const int more = r->count - 1, and = o->also_count;
+    const int more = r->count - 1, others = o->also_count;
     for (int i = 0; i < more; i++)
         if (!render_options_also(o))
             return ST_NOMEM;
-    if (and > 0)
-        memmove(o->also + more, o->also, (size_t) and *sizeof *o->also);
+    if (others > 0)
+        memmove(o->also + more, o->also, (size_t)others * sizeof *o->also);
     for (int i = 0; i < more; i++) {
         o->also[i] = r->objects[i + 1];
         r->objects[i + 1] = (render_also){.same = -1};

@@ -1,7 +1,7 @@
 /* view_options_tell.c - what flags say together: of media, projections and glass. */
 #include "render/app/view_options.h"
 
-    bool view_options_transparent(const view_options *v) {
+bool view_options_transparent(const view_options *v) {
     for (int i = 0; i < v->opacities; i++)
         if (v->surfaces[i].opacity < 1.0f)
             return true;

@@ -35,7 +35,7 @@ static bool meet(const triangle *x, uint64_t number, const ray *r, trace_state *
     const hit *after = &state->after, from = {after->t, 0, -1, false},
               behind = {after->t, UINT64_MAX, after->iso, after->entering};
     flat_polygon g;
-    hit found;
+    hit found = {.t = 0.0};
     triangle_polygon(x, &g);
     counters->cells++;
     if (!flat_polygon_hit(&g, r, number, 0, &from, &found) || !triangle_less(&behind, &found))
