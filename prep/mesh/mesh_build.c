@@ -16,7 +16,7 @@ typedef struct signs {
 /* Buffers and counts of one thread. */
 typedef struct bench {
     mesh_treelet_builder *builder; /* or, of cells as they are: */
-    void *of_cells;
+    cell_builder *of_cells;
     mesh_pages input;            /* cells, as they were gathered, if these are kept */
     uint32_t (*cells)[CELL_ROW]; /* of the treelet */
     mesh_sah *sah;               /* NULL: trees by keys */
@@ -72,13 +72,12 @@ static status create_tets(const mesh_build *b, bench *k, const uint32_t counts[4
 static status create_cells(const mesh_build *b, bench *k) {
     const cell_treelets *row = b->in.o->cells;
     const uint32_t most = b->in.o->treelet_tets;
-    uint32_t counts[4];
-    status st = row->create(b->m, most, &k->of_cells);
+    const cell_treelet_most largest = row->most(most);
+    status st = cell_builder_create(row, b->m, most, &k->of_cells);
     if (st == ST_OK && mesh_gather_keeps(b->in.g))
         st = mesh_pages_init(&k->input, &b->in.g->tets, b->in.plan->cells_window);
-    row->counts_max(most, counts);
     if (st == ST_OK)
-        st = create_packer(b, k, row->coder, counts, row->payload_max(most));
+        st = create_packer(b, k, row->coder, largest.counts, largest.topology_bytes);
     k->cells = mem_array(b->m, most, sizeof *k->cells);
     return st == ST_OK && !k->cells ? ST_NOMEM : st;
 }
@@ -133,8 +132,7 @@ void mesh_build_destroy(mesh_build *b) {
     for (int i = 0; b->benches && i < b->threads; i++) {
         bench *k = &b->benches[i];
         mesh_treelet_destroy(k->builder);
-        if (k->of_cells)
-            b->in.o->cells->destroy(k->of_cells);
+        cell_builder_destroy(k->of_cells);
         mesh_pages_release(&k->input);
         mem_free(b->m, k->cells);
         mesh_sah_destroy(k->sah);

@@ -58,7 +58,7 @@ static uint64_t writer_memory(const mesh_options *o, const mesh_gather *g, uint6
                              .steps = g->steps,
                              .gradients = o->gradients,
                              .moving = g->moving};
-    const size_t most = o->cells ? o->cells->payload_max(o->treelet_tets)
+    const size_t most = o->cells ? o->cells->most(o->treelet_tets).topology_bytes
                                  : mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets);
     return leaf_writer_mesh_memory(&parts, most, o->grow != NULL);
 }
@@ -66,12 +66,12 @@ static uint64_t writer_memory(const mesh_options *o, const mesh_gather *g, uint6
 /* Of cells as they are, with the ids of those of a treelet. */
 static uint64_t cells_fixed(const needs *n) {
     const mesh_options *o = n->o;
-    uint64_t thread = o->cells->memory(o->treelet_tets) +
+    uint64_t thread = cell_builder_memory(o->cells, o->treelet_tets) +
                       o->treelet_tets * sizeof(uint32_t[CELL_ROW]) + n->packer + 512;
     if (o->grow)
         thread += mesh_earlier_memory(leaf_grow_before(o->grow));
     if (o->file.codec != LEAF_CODEC_RAW)
-        thread += o->cells->payload_max(o->treelet_tets) + 128;
+        thread += o->cells->most(o->treelet_tets).topology_bytes + 128;
     return n->others + writer_memory(o, n->g, n->treelets) + (uint64_t)o->threads * thread +
            (o->file.histograms ? mesh_histogram_memory() : 0);
 }
@@ -193,10 +193,9 @@ static status needs_of(mem *m, const mesh_gather *g, const mesh_options *o, need
     if (n->treelets > g->tets.count)
         n->treelets = g->tets.count;
     uint32_t counts[4];
-    if (o->cells) {
-        o->cells->counts_max(o->treelet_tets, counts);
-        return leaf_packer_memory(m, NULL, o->cells->coder, counts, &o->file, &n->packer);
-    }
+    if (o->cells)
+        return leaf_packer_memory(m, NULL, o->cells->coder, o->cells->most(o->treelet_tets).counts,
+                                  &o->file, &n->packer);
     mesh_treelet_counts_max(o->treelet_tets, o->leaf_tets, counts);
     return leaf_packer_memory(m, NULL, &mesh_coder, counts, &o->file, &n->packer);
 }
