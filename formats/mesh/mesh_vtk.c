@@ -14,55 +14,12 @@ typedef struct scan {
 
 static status on_points(vtk_legacy *v) {
     scan *s = v->user;
-    vtk_piece *p = s->p;
-    vtk_type type = VTK_ABSENT;
-    status st = vtk_legacy_need_words(v, 3, "POINTS n type");
-    if (st == ST_OK)
-        st = vtk_legacy_once(v, &s->has_points);
-    if (st == ST_OK)
-        st = vtk_legacy_count(v, 1, &p->points);
-    if (st == ST_OK)
-        st = vtk_legacy_type(v, 2, &type);
-    if (st != ST_OK)
-        return st;
-    v->tuples_there[VTK_OF_POINTS] = p->points;
-    st = vtk_legacy_array(v, type, "POINTS", 3 * p->points, &p->position);
-    p->position.components = 3;
-    return st;
-}
-
-/* Read "OFFSETS type" or "CONNECTIVITY type" and count numbers. */
-static status read_part(vtk_legacy *v, const char *keyword, uint64_t count, vtk_array *out) {
-    vtk_type type = VTK_ABSENT;
-    status st = vtk_legacy_next_line(v);
-    if (st == ST_OK && (!vtk_legacy_says(v, keyword) || v->words < 2))
-        return vtk_legacy_fault(v, ST_CORRUPT, "expected \"%s type\"", keyword);
-    if (st == ST_OK)
-        st = vtk_legacy_type(v, 1, &type);
-    return st == ST_OK ? vtk_legacy_array(v, type, keyword, count, out) : st;
+    return vtk_legacy_points(v, &s->has_points, &s->p->points, &s->p->position);
 }
 
 static status on_cells(vtk_legacy *v) {
     scan *s = v->user;
-    vtk_cells_source *c = &s->p->cells;
-    uint64_t first = 0, second = 0;
-    status st = vtk_legacy_need_words(v, 3, "CELLS n size");
-    if (st == ST_OK)
-        st = vtk_legacy_once(v, &s->has_cells);
-    if (st == ST_OK)
-        st = vtk_legacy_count(v, 1, &first);
-    if (st == ST_OK)
-        st = vtk_legacy_count(v, 2, &second);
-    if (st != ST_OK)
-        return st;
-    c->ids_size = second;
-    c->from_zero = v->major >= 5;
-    c->count = c->from_zero && first ? first - 1 : first;
-    v->tuples_there[VTK_OF_CELLS] = c->count;
-    if (!c->from_zero)
-        return vtk_legacy_array(v, VTK_I32, "CELLS", second, &c->ids);
-    st = read_part(v, "OFFSETS", first, &c->offsets);
-    return st == ST_OK ? read_part(v, "CONNECTIVITY", second, &c->ids) : st;
+    return vtk_legacy_lists(v, "CELLS", &s->has_cells, &s->p->cells.lists);
 }
 
 static status on_cell_types(vtk_legacy *v) {
@@ -74,9 +31,9 @@ static status on_cell_types(vtk_legacy *v) {
         st = vtk_legacy_once(v, &s->has_types);
     if (st == ST_OK)
         st = vtk_legacy_count(v, 1, &count);
-    if (st == ST_OK && (!s->has_cells || count != c->count))
+    if (st == ST_OK && (!s->has_cells || count != c->lists.count))
         st = vtk_legacy_fault(v, ST_CORRUPT, "%llu cell types, expected those of %llu cells",
-                              (unsigned long long)count, (unsigned long long)c->count);
+                              (unsigned long long)count, (unsigned long long)c->lists.count);
     return st == ST_OK ? vtk_legacy_array(v, VTK_I32, "CELL_TYPES", count, &c->types) : st;
 }
 
@@ -85,7 +42,7 @@ static const vtk_legacy_keyword keywords[] = {
 static const vtk_legacy_dataset sets[] = {{"UNSTRUCTURED_GRID", keywords}, {NULL, NULL}};
 
 static status check_parts(const scan *s, byte_stream *data) {
-    if (!s->has_points || (s->p->cells.count > 0 && !s->has_types))
+    if (!s->has_points || (s->p->cells.lists.count > 0 && !s->has_types))
         return status_describe(ST_CORRUPT, "%s: ends at byte %llu without %s",
                                byte_stream_name(data),
                                (unsigned long long)byte_stream_position(data),

@@ -28,9 +28,9 @@ static status on_piece(vtk_xml *x, const char **attributes) {
     if (st == ST_OK)
         st = vtk_xml_count(x, attributes, "NumberOfPoints", -1, 0, &s->piece->points);
     if (st == ST_OK)
-        st = vtk_xml_count(x, attributes, "NumberOfCells", -1, 0, &s->piece->cells.count);
+        st = vtk_xml_count(x, attributes, "NumberOfCells", -1, 0, &s->piece->cells.lists.count);
     if (st == ST_OK)
-        s->piece->cells.ids_size = VTK_CURSOR_ANY;
+        s->piece->cells.lists.ids_size = VTK_CURSOR_ANY;
     return st;
 }
 
@@ -46,8 +46,8 @@ static status on_cells(vtk_xml *x, vtk_piece *p, const char *name, const vtk_arr
     const struct {
         const char *name;
         vtk_array *to;
-    } parts[] = {{"connectivity", &p->cells.ids},
-                 {"offsets", &p->cells.offsets},
+    } parts[] = {{"connectivity", &p->cells.lists.ids},
+                 {"offsets", &p->cells.lists.offsets},
                  {"types", &p->cells.types},
                  {"faces", &p->cells.faces.faces},
                  {"faceoffsets", &p->cells.faces.faceoffsets},
@@ -87,8 +87,8 @@ static void locate_arrays(const vtk_unstructured *g, size_t before, const vtk_ap
     for (size_t i = before; i < g->count; i++) {
         vtk_piece *p = &g->pieces[i];
         vtk_xml_locate(appended, &p->position);
-        vtk_xml_locate(appended, &p->cells.ids);
-        vtk_xml_locate(appended, &p->cells.offsets);
+        vtk_xml_locate(appended, &p->cells.lists.ids);
+        vtk_xml_locate(appended, &p->cells.lists.offsets);
         vtk_xml_locate(appended, &p->cells.types);
         vtk_faces_source *faces = &p->cells.faces;
         vtk_array *const of_faces[] = {&faces->faces, &faces->faceoffsets, &faces->ids,
@@ -103,7 +103,7 @@ static void locate_arrays(const vtk_unstructured *g, size_t before, const vtk_ap
 static status check_cells(const vtk_unstructured *g, size_t before, const char *path) {
     for (size_t i = before; i < g->count; i++) {
         const vtk_cells_source *c = &g->pieces[i].cells;
-        if (c->count > 0 && c->offsets.type == VTK_ABSENT)
+        if (c->lists.count > 0 && c->lists.offsets.type == VTK_ABSENT)
             return status_describe(ST_CORRUPT, "%s: piece %zu: expected the offsets of its cells",
                                    path, i - before + 1);
     }

@@ -21,8 +21,8 @@ typedef struct averaging {
 static status open_values(averaging *a) {
     status st = ST_OK;
     for (uint32_t k = 0; st == ST_OK && k < a->count; k++)
-        st = vtk_cursor_open(a->m, a->fields[k], a->piece->cells.count * a->fields[k]->components,
-                             &a->values[k]);
+        st = vtk_cursor_open(a->m, a->fields[k],
+                             a->piece->cells.lists.count * a->fields[k]->components, &a->values[k]);
     return st;
 }
 
@@ -63,7 +63,7 @@ static status add_cells(averaging *a) {
     status st = open_values(a);
     if (st == ST_OK)
         st = vtk_cells_open(a->m, &a->piece->cells, &cells);
-    for (uint64_t i = 0; st == ST_OK && i < a->piece->cells.count; i++) {
+    for (uint64_t i = 0; st == ST_OK && i < a->piece->cells.lists.count; i++) {
         vtk_cell cell;
         st = vtk_cells_next(cells, &cell);
         if (st == ST_OK)
@@ -87,7 +87,7 @@ static status feed_some(averaging *a, uint32_t first, mesh_feed *feed) {
     if (st == ST_OK)
         st = mesh_average_begin_rounds(&a->sums, a->m, a->piece->points, a->count);
     for (bool more = true; st == ST_OK && more; more = mesh_average_next(&a->sums)) {
-        if (a->piece->cells.count > 0) /* else the sums stay 0 */
+        if (a->piece->cells.lists.count > 0) /* else the sums stay 0 */
             st = add_cells(a);
         if (st == ST_OK)
             st = mesh_average_feed(&a->sums, feed, first);

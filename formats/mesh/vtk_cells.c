@@ -21,7 +21,7 @@ struct vtk_cells {
 
 /* Where a polyhedron's faces stand in the place of its points. */
 static bool is_legacy(const vtk_cells_source *s) {
-    return s->offsets.type == VTK_ABSENT || s->from_zero;
+    return s->lists.offsets.type == VTK_ABSENT || s->lists.from_zero;
 }
 
 static status check_array(const vtk_array *a, const char *what) {
@@ -34,24 +34,25 @@ static status check_array(const vtk_array *a, const char *what) {
 
 static status open_cursors(vtk_cells *c) {
     const vtk_cells_source *s = c->source;
-    bool counted = s->offsets.type == VTK_ABSENT;
+    bool counted = s->lists.offsets.type == VTK_ABSENT;
     status st = check_array(&s->types, "types");
     if (st == ST_OK)
-        st = check_array(&s->ids, "points");
+        st = check_array(&s->lists.ids, "points");
     if (st == ST_OK && !counted)
-        st = check_array(&s->offsets, "offsets");
+        st = check_array(&s->lists.offsets, "offsets");
     if (st == ST_OK)
-        st = vtk_cursor_open(c->m, &s->types, s->count, &c->types);
+        st = vtk_cursor_open(c->m, &s->types, s->lists.count, &c->types);
     if (st == ST_OK)
-        st = vtk_cursor_open(c->m, &s->ids, s->ids_size, &c->ids);
+        st = vtk_cursor_open(c->m, &s->lists.ids, s->lists.ids_size, &c->ids);
     if (st == ST_OK && !counted)
-        st = vtk_cursor_open(c->m, &s->offsets, s->count + s->from_zero, &c->offsets);
+        st = vtk_cursor_open(c->m, &s->lists.offsets, s->lists.count + s->lists.from_zero,
+                             &c->offsets);
     if (st == ST_OK && s->ghosts && !vtk_array_whole(s->ghosts->type))
         st = vtk_array_fault(s->ghosts, ST_CORRUPT, "expected whole numbers");
     if (st == ST_OK && s->ghosts)
-        st = vtk_cursor_open(c->m, s->ghosts, s->count * s->ghosts->components, &c->ghosts);
+        st = vtk_cursor_open(c->m, s->ghosts, s->lists.count * s->ghosts->components, &c->ghosts);
     if (st == ST_OK && vtk_faces_there(&s->faces))
-        st = vtk_faces_open(c->m, &s->faces, s->count, &c->faces);
+        st = vtk_faces_open(c->m, &s->faces, s->lists.count, &c->faces);
     return st;
 }
 
@@ -62,10 +63,10 @@ status vtk_cells_open(mem *m, const vtk_cells_source *source, vtk_cells **out) {
     c->m = m;
     c->source = source;
     status st = open_cursors(c);
-    if (st == ST_OK && source->from_zero) {
+    if (st == ST_OK && source->lists.from_zero) {
         st = vtk_cursor_whole(c->offsets, 1, &c->end);
         if (st == ST_OK && c->end != 0)
-            st = vtk_array_fault(&source->offsets, ST_CORRUPT, "starts with %llu, expected 0",
+            st = vtk_array_fault(&source->lists.offsets, ST_CORRUPT, "starts with %llu, expected 0",
                                  (unsigned long long)c->end);
     }
     if (st != ST_OK) {
@@ -206,7 +207,7 @@ static status next_size(vtk_cells *c, uint64_t *size) {
     if (st != ST_OK)
         return st;
     if (end < c->end || end == UINT64_MAX)
-        return vtk_array_fault(&c->source->offsets, ST_CORRUPT,
+        return vtk_array_fault(&c->source->lists.offsets, ST_CORRUPT,
                                "cell %llu (counted from 0) ends at %lld, expected %llu or more",
                                (unsigned long long)c->cell, (long long)end,
                                (unsigned long long)c->end);
@@ -251,7 +252,7 @@ static status read_polyhedron(vtk_cells *c, uint64_t size, mesh_polyhedron *p) {
     enum { NUMBERS_MAX = 1 << 20 };
     uint64_t faces = 0;
     if (size < 1 || size > NUMBERS_MAX)
-        return vtk_array_fault(&c->source->ids, ST_UNSUPPORTED,
+        return vtk_array_fault(&c->source->lists.ids, ST_UNSUPPORTED,
                                "cell %llu (counted from 0) is a polyhedron of %llu numbers, at "
                                "most %d are supported",
                                (unsigned long long)c->cell, (unsigned long long)size, NUMBERS_MAX);
@@ -262,9 +263,10 @@ static status read_polyhedron(vtk_cells *c, uint64_t size, mesh_polyhedron *p) {
         st = vtk_cursor_whole(c->ids, (size_t)size - 1, c->stream);
     *p = (mesh_polyhedron){.faces = (size_t)faces, .stream = c->stream, .size = (size_t)size - 1};
     const char *what = st == ST_OK ? mesh_polyhedron_fault(p) : NULL;
-    return what ? vtk_array_fault(&c->source->ids, ST_CORRUPT, "cell %llu (counted from 0) %s",
-                                  (unsigned long long)c->cell, what)
-                : st;
+    return what
+               ? vtk_array_fault(&c->source->lists.ids, ST_CORRUPT, "cell %llu (counted from 0) %s",
+                                 (unsigned long long)c->cell, what)
+               : st;
 }
 
 /* The next cell's faces. polyhedron: it has some. size: its numbers among the ids. */
@@ -284,10 +286,10 @@ static status next_faces(vtk_cells *c, bool polyhedron, uint64_t size, vtk_cell 
 status vtk_cells_may_hold_polyhedra(mem *m, const vtk_cells_source *s, bool *out) {
     vtk_cursor *c = NULL;
     *out = vtk_faces_there(&s->faces);
-    if (*out || s->count == 0 || !is_legacy(s) || !vtk_array_whole(s->types.type))
+    if (*out || s->lists.count == 0 || !is_legacy(s) || !vtk_array_whole(s->types.type))
         return ST_OK;
-    status st = vtk_cursor_open(m, &s->types, s->count, &c);
-    for (uint64_t i = 0; st == ST_OK && i < s->count && !*out; i++) {
+    status st = vtk_cursor_open(m, &s->types, s->lists.count, &c);
+    for (uint64_t i = 0; st == ST_OK && i < s->lists.count && !*out; i++) {
         uint64_t type = 0;
         st = vtk_cursor_whole(c, 1, &type);
         *out = type == POLYHEDRON;

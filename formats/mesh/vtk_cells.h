@@ -9,17 +9,14 @@
 #include "formats/mesh/vtk_faces.h"
 #include "formats/vtk/vtk_array.h"
 
-/* The arrays that hold the cells. Without offsets, each cell's number of points stands in front of
- * its ids. */
+/* The arrays that hold the cells. */
 typedef struct vtk_cells_source {
-    uint64_t count;
-    vtk_array types, offsets, ids;
+    vtk_lists lists;
+    vtk_array types;
     vtk_faces_source faces;  /* of polyhedra. None: they are among the ids (legacy files) */
     const vtk_array *ghosts; /* vtkGhostType or vtkGhostLevels; NULL: there is none */
     bool by_corners;         /* mesh_hints.by_corners */
     bool quadratic;          /* quadratic tets are taken as they are; without by_corners */
-    bool from_zero;    /* the offsets start with a 0, so there is one more of them than cells */
-    uint64_t ids_size; /* length of ids; VTK_CURSOR_ANY: any length */
 } vtk_cells_source;
 
 typedef struct vtk_cell {

@@ -68,7 +68,7 @@ static size_t number_in_file(const vtk_unstructured *g, size_t i) {
 static status check_pieces(const vtk_unstructured *g, const vtk_array *chosen) {
     for (size_t i = 0; i < g->count; i++) {
         const vtk_piece *p = &g->pieces[i];
-        const uint64_t tuples = g->owner == VTK_OF_POINTS ? p->points : p->cells.count;
+        const uint64_t tuples = g->owner == VTK_OF_POINTS ? p->points : p->cells.lists.count;
         const vtk_array *field = vtk_fields_find(&p->fields, g->owner, chosen->name);
         if (!field && tuples > 0)
             return status_describe(ST_CORRUPT, "%s: piece %zu has no array \"%s\", unlike others",
@@ -229,8 +229,8 @@ static status each_polyhedron(vtk_unstructured *g, vtk_piece *p, mesh_feed *feed
     mesh_polyhedron_room room = {.m = g->m};
     uint64_t fed = 0;
     vtk_cells *cells = NULL;
-    status st = p->cells.count ? vtk_cells_open(g->m, &p->cells, &cells) : ST_OK;
-    for (uint64_t i = 0; st == ST_OK && i < p->cells.count; i++) {
+    status st = p->cells.lists.count ? vtk_cells_open(g->m, &p->cells, &cells) : ST_OK;
+    for (uint64_t i = 0; st == ST_OK && i < p->cells.lists.count; i++) {
         vtk_cell cell;
         st = vtk_cells_next(cells, &cell);
         if (st != ST_OK || !is_taken(p, &cell))
@@ -271,8 +271,8 @@ static status read_cells(vtk_unstructured *g, const vtk_piece *p, uint64_t first
     vtk_cells *cells = NULL;
     uint64_t middle = first + p->points;
     const uint64_t end = middle + p->middles;
-    status st = p->cells.count ? vtk_cells_open(g->m, &p->cells, &cells) : ST_OK;
-    for (uint64_t i = 0; st == ST_OK && i < p->cells.count; i++) {
+    status st = p->cells.lists.count ? vtk_cells_open(g->m, &p->cells, &cells) : ST_OK;
+    for (uint64_t i = 0; st == ST_OK && i < p->cells.lists.count; i++) {
         vtk_cell cell;
         st = vtk_cells_next(cells, &cell);
         if (st != ST_OK)
@@ -323,7 +323,7 @@ status vtk_unstructured_read(void *state, mesh_feed *feed) {
         st = mesh_feed_expect(feed, points);
     for (size_t i = 0; i < g->count; i++) {
         g->pieces[i].cells.quadratic = mesh_feed_takes_quadratic(feed);
-        mesh_feed_expect_cells(feed, g->pieces[i].cells.count);
+        mesh_feed_expect_cells(feed, g->pieces[i].cells.lists.count);
     }
     for (size_t i = 0; st == ST_OK && i < g->count; i++) {
         vtk_piece *p = &g->pieces[i];

@@ -87,7 +87,7 @@ status surface_vtk_take(void *state, const char *const *names, uint32_t count) {
 /* ---- opening and closing ---- */
 
 static status check_cells(const surface_vtk *v, surface_vtk_piece *p, surface_vtk_kind kind) {
-    const surface_vtk_cells *c = &p->cells[kind];
+    const vtk_lists *c = &p->cells[kind];
     const vtk_array *const arrays[2] = {&c->ids, &c->offsets};
     if (c->count > 0 && c->ids.type == VTK_ABSENT)
         return status_describe(ST_CORRUPT, "%s: expected the ids of its %s",
@@ -285,7 +285,7 @@ static status next_data(cells *c, bool *ghost) {
 }
 
 /* Read the number of the next cell's ids. */
-static status next_size(cells *c, const surface_vtk_cells *of, uint64_t number, uint64_t *size) {
+static status next_size(cells *c, const vtk_lists *of, uint64_t number, uint64_t *size) {
     uint64_t end = 0;
     const vtk_array *told = c->offsets ? &of->offsets : &of->ids;
     status st = vtk_cursor_whole(c->offsets ? c->offsets : c->ids, 1, &end);
@@ -332,7 +332,7 @@ static status read_polygon(cells *c, const vtk_array *ids, uint64_t size, bool g
 
 /* Read the next cell of a kind. Ids of vertices and lines are not looked at. */
 static status read_cell(cells *c, surface_vtk_kind kind, uint64_t number) {
-    const surface_vtk_cells *of = &c->p->cells[kind];
+    const vtk_lists *of = &c->p->cells[kind];
     uint64_t size = 0;
     bool ghost;
     status st = next_data(c, &ghost);
@@ -346,7 +346,7 @@ static status read_cell(cells *c, surface_vtk_kind kind, uint64_t number) {
                                       : read_polygon(c, &of->ids, size, ghost);
 }
 
-static status open_ids(cells *c, const surface_vtk_cells *of) {
+static status open_ids(cells *c, const vtk_lists *of) {
     uint64_t zero = 0;
     status st = vtk_cursor_open(c->v->m, &of->ids, of->ids_size, &c->ids);
     if (st == ST_OK && of->offsets.type != VTK_ABSENT)
@@ -361,7 +361,7 @@ static status open_ids(cells *c, const surface_vtk_cells *of) {
 }
 
 static status read_kind(cells *c, surface_vtk_kind kind) {
-    const surface_vtk_cells *of = &c->p->cells[kind];
+    const vtk_lists *of = &c->p->cells[kind];
     const bool taken = kind > SURFACE_VTK_LINES && of->count > 0;
     status st = taken ? open_ids(c, of) : ST_OK;
     for (uint64_t i = 0; st == ST_OK && i < of->count; i++)

@@ -21,18 +21,10 @@ typedef enum surface_vtk_kind {
     SURFACE_VTK_KINDS
 } surface_vtk_kind;
 
-/* Without offsets, each cell's number of points stands in front of its ids. */
-typedef struct surface_vtk_cells {
-    uint64_t count;
-    vtk_array offsets, ids;
-    bool from_zero;    /* the offsets start with a 0, so there is one more of them than cells */
-    uint64_t ids_size; /* length of ids; VTK_CURSOR_ANY: any length */
-} surface_vtk_cells;
-
 typedef struct surface_vtk_piece {
     uint64_t points;
     vtk_array position;
-    surface_vtk_cells cells[SURFACE_VTK_KINDS];
+    vtk_lists cells[SURFACE_VTK_KINDS];
     vtk_fields fields;
 } surface_vtk_piece;
 

@@ -11,55 +11,12 @@ typedef struct scan {
 
 static status on_points(vtk_legacy *v) {
     scan *s = v->user;
-    surface_vtk_piece *p = s->p;
-    vtk_type type = VTK_ABSENT;
-    status st = vtk_legacy_need_words(v, 3, "POINTS n type");
-    if (st == ST_OK)
-        st = vtk_legacy_once(v, &s->has_points);
-    if (st == ST_OK)
-        st = vtk_legacy_count(v, 1, &p->points);
-    if (st == ST_OK)
-        st = vtk_legacy_type(v, 2, &type);
-    if (st != ST_OK)
-        return st;
-    v->tuples_there[VTK_OF_POINTS] = p->points;
-    st = vtk_legacy_array(v, type, "POINTS", 3 * p->points, &p->position);
-    p->position.components = 3;
-    return st;
-}
-
-/* Read "OFFSETS type" or "CONNECTIVITY type" and count numbers. */
-static status read_part(vtk_legacy *v, const char *keyword, uint64_t count, vtk_array *out) {
-    vtk_type type = VTK_ABSENT;
-    status st = vtk_legacy_next_line(v);
-    if (st == ST_OK && (!vtk_legacy_says(v, keyword) || v->words < 2))
-        return vtk_legacy_fault(v, ST_CORRUPT, "expected \"%s type\"", keyword);
-    if (st == ST_OK)
-        st = vtk_legacy_type(v, 1, &type);
-    return st == ST_OK ? vtk_legacy_array(v, type, keyword, count, out) : st;
+    return vtk_legacy_points(v, &s->has_points, &s->p->points, &s->p->position);
 }
 
 static status read_cells(vtk_legacy *v, surface_vtk_kind kind, const char *role) {
     scan *s = v->user;
-    surface_vtk_cells *c = &s->p->cells[kind];
-    uint64_t first = 0, second = 0;
-    status st = vtk_legacy_need_words(v, 3, "POLYGONS n size");
-    if (st == ST_OK)
-        st = vtk_legacy_once(v, &s->has[kind]);
-    if (st == ST_OK)
-        st = vtk_legacy_count(v, 1, &first);
-    if (st == ST_OK)
-        st = vtk_legacy_count(v, 2, &second);
-    if (st != ST_OK)
-        return st;
-    c->ids_size = second;
-    c->from_zero = v->major >= 5;
-    c->count = c->from_zero && first ? first - 1 : first;
-    v->tuples_there[VTK_OF_CELLS] += c->count;
-    if (!c->from_zero)
-        return vtk_legacy_array(v, VTK_I32, role, second, &c->ids);
-    st = read_part(v, "OFFSETS", first, &c->offsets);
-    return st == ST_OK ? read_part(v, "CONNECTIVITY", second, &c->ids) : st;
+    return vtk_legacy_lists(v, role, &s->has[kind], &s->p->cells[kind]);
 }
 
 static status on_vertices(vtk_legacy *v) {

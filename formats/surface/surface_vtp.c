@@ -45,7 +45,7 @@ static status on_points(vtk_xml *x, surface_vtk_piece *p, const vtk_array *a) {
     return ST_OK;
 }
 
-static status on_cells(vtk_xml *x, surface_vtk_cells *c, const char *name, const vtk_array *a) {
+static status on_cells(vtk_xml *x, vtk_lists *c, const char *name, const vtk_array *a) {
     const bool ids = strcmp(name, "connectivity") == 0;
     vtk_array *to = ids ? &c->ids : &c->offsets;
     if (!ids && strcmp(name, "offsets") != 0)

@@ -54,6 +54,14 @@ typedef struct vtk_array {
     uint64_t at;         /* the byte of the file where text, head or numbers start */
 } vtk_array;
 
+/* Lists of points, one for each cell. Without offsets, the length of each stands in front of it. */
+typedef struct vtk_lists {
+    uint64_t count; /* of lists */
+    vtk_array offsets, ids;
+    bool from_zero;    /* the offsets start with a 0, so there is one more of them than lists */
+    uint64_t ids_size; /* length of ids; VTK_CURSOR_ANY: any length */
+} vtk_lists;
+
 /* vtk_array_width() - returns the bytes of one number; 0 for bits, strings and absent arrays. */
 size_t vtk_array_width(vtk_type type);
 

@@ -218,6 +218,59 @@ status vtk_legacy_once(const vtk_legacy *v, bool *before) {
     return ST_OK;
 }
 
+/* ---- points and lists of them ---- */
+
+status vtk_legacy_points(vtk_legacy *v, bool *before, uint64_t *points, vtk_array *out) {
+    vtk_type type = VTK_ABSENT;
+    status st = vtk_legacy_need_words(v, 3, "POINTS n type");
+    if (st == ST_OK)
+        st = vtk_legacy_once(v, before);
+    if (st == ST_OK)
+        st = vtk_legacy_count(v, 1, points);
+    if (st == ST_OK)
+        st = vtk_legacy_type(v, 2, &type);
+    if (st != ST_OK)
+        return st;
+    v->tuples_there[VTK_OF_POINTS] = *points;
+    st = vtk_legacy_array(v, type, "POINTS", 3 * *points, out);
+    out->components = 3;
+    return st;
+}
+
+/* Read "OFFSETS type" or "CONNECTIVITY type" and count numbers. */
+static status read_part(vtk_legacy *v, const char *keyword, uint64_t count, vtk_array *out) {
+    vtk_type type = VTK_ABSENT;
+    status st = vtk_legacy_next_line(v);
+    if (st == ST_OK && (!vtk_legacy_says(v, keyword) || v->words < 2))
+        return vtk_legacy_fault(v, ST_CORRUPT, "expected \"%s type\"", keyword);
+    if (st == ST_OK)
+        st = vtk_legacy_type(v, 1, &type);
+    return st == ST_OK ? vtk_legacy_array(v, type, keyword, count, out) : st;
+}
+
+status vtk_legacy_lists(vtk_legacy *v, const char *keyword, bool *before, vtk_lists *out) {
+    uint64_t first = 0, second = 0;
+    char form[64];
+    snprintf(form, sizeof form, "%s n size", keyword);
+    status st = vtk_legacy_need_words(v, 3, form);
+    if (st == ST_OK)
+        st = vtk_legacy_once(v, before);
+    if (st == ST_OK)
+        st = vtk_legacy_count(v, 1, &first);
+    if (st == ST_OK)
+        st = vtk_legacy_count(v, 2, &second);
+    if (st != ST_OK)
+        return st;
+    out->ids_size = second;
+    out->from_zero = v->major >= 5;
+    out->count = out->from_zero && first ? first - 1 : first;
+    v->tuples_there[VTK_OF_CELLS] += out->count;
+    if (!out->from_zero)
+        return vtk_legacy_array(v, VTK_I32, keyword, second, &out->ids);
+    st = read_part(v, "OFFSETS", first, &out->offsets);
+    return st == ST_OK ? read_part(v, "CONNECTIVITY", second, &out->ids) : st;
+}
+
 /* ---- data ---- */
 
 static status on_data(vtk_legacy *v) {

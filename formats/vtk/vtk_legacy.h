@@ -89,6 +89,12 @@ CHECKED status vtk_legacy_once(const vtk_legacy *v, bool *before);
 CHECKED status vtk_legacy_count(const vtk_legacy *v, int word, uint64_t *out);
 CHECKED status vtk_legacy_type(const vtk_legacy *v, int word, vtk_type *out);
 
+/* vtk_legacy_points() - "POINTS n type" and the array behind it. vtk_legacy_lists() - "KEYWORD n
+ * size", and the ids behind it in either form; the lists add to those that cell data are of.
+ * *before: vtk_legacy_once(). */
+CHECKED status vtk_legacy_points(vtk_legacy *v, bool *before, uint64_t *points, vtk_array *out);
+CHECKED status vtk_legacy_lists(vtk_legacy *v, const char *keyword, bool *before, vtk_lists *out);
+
 /* vtk_legacy_array() - make the array of count numbers that starts here, and skip it. */
 CHECKED status vtk_legacy_array(vtk_legacy *v, vtk_type type, const char *role, uint64_t count,
                                 vtk_array *out);
