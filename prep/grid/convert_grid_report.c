@@ -53,12 +53,17 @@ static void print_outcome(const convert_request *a, const convert_outcome *o,
     char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], error[NUM_TEXT_MAX], id[LEAF_ID_TEXT], each[64];
     snprintf(each, sizeof each, "%.3f of raw", (double)h->file_bytes / raw);
     convert_report_print_bytes(a, h->file_bytes, each);
-    printf("grid        %u x %u x %u %s, %u levels%s, %llu treelets\n", h->dims[0], h->dims[1],
-           h->dims[2], sample_name((sample_type)h->sample_type), h->levels, alone(&plan->layout),
-           (unsigned long long)h->treelets);
+    if (g->heights)
+        printf("heights     %u x %u", h->dims[0], h->dims[2]);
+    else
+        printf("grid        %u x %u x %u", h->dims[0], h->dims[1], h->dims[2]);
+    printf(" %s, %u levels%s, %llu treelets\n", sample_name((sample_type)h->sample_type), h->levels,
+           alone(&plan->layout), (unsigned long long)h->treelets);
     printf("values      %s .. %s\n", num_print(h->value_min, lo), num_print(h->value_max, hi));
+    /* Of terrain, which has each height twice, the heights. */
     if (h->non_finite)
-        printf("no data     %llu samples are NaN or infinite\n", (unsigned long long)h->non_finite);
+        printf("no data     %llu samples are NaN or infinite\n",
+               (unsigned long long)h->non_finite / (g->heights ? 2 : 1));
     if (h->source_type != h->sample_type)
         printf("rounding    %s to %s, off by at most %s\n",
                sample_name((sample_type)h->source_type), sample_name((sample_type)h->sample_type),

@@ -364,7 +364,7 @@ static status load(reading *r, render_options *o, json_t *top) {
     char what[WHAT_MAX];
     if (!json_is_object(top) || !json_object_get(top, "objects"))
         return status_describe(
-            ST_USAGE, "%s: neither a treelet file nor a scene: a scene has \"objects\"", r->path);
+            ST_CORRUPT, "%s: neither a treelet file nor a scene: a scene has \"objects\"", r->path);
     if (o->state)
         return status_describe(ST_USAGE, "%s: not with --state",
                                place_in(r, what, "a scene file says the view"));

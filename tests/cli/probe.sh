@@ -6,7 +6,7 @@
 leaf=$tmp/v.leaf
 says() { grep -q -- "$1" "$tmp/$2"; }
 json() { # json EXPRESSION: python, with what was printed as j
-    python3 -c 'import json, sys
+    python3 -c 'import array, json, sys
 j = json.load(open(sys.argv[1]))
 sys.exit(not eval(f"({sys.argv[2]})"))' "$tmp/out" "$1"
 }
@@ -61,6 +61,9 @@ sys.exit(hits < 3)
 PY
 }
 ok "a pixel's first hit is the picture's depth, bit by bit" agree
+exits "a picture without isovalues" 0 "$leafcast" render "$leaf" --size 16x12 --view close --depth-f64 "$tmp/own.f64" -q
+exits "a pixel without one" 0 "$leafcast" probe "$leaf" --size 16x12 --view close --at 8,6 --json
+ok "is of the surface that render draws" json "j['hits'][0]['t'] == array.array('d', open('$tmp/own.f64', 'rb').read())[6 * 16 + 8]"
 exits "a pixel" 0 "$leafcast" probe "$leaf" $view --at 8,6
 ok "shows its hit" says '^  t: ' out
 ok "and the line that reruns it" says "^rerun: leafcast probe --iso 9.5 --size 16x12 --view close --at 8,6 $leaf\$" out
@@ -121,7 +124,7 @@ exits "a pixel's profile through it" 0 "$leafcast" probe "$tmp/m.leaf" --at 500,
 ok "tet by tet" json 'j["cells"] > 8 and all("tet" in s and len(s["control"]) == 2 for s in j["segments"])'
 ok "without a gap" json 'abs(sum(s["t1"] - s["t0"] for s in j["segments"]) - (j["segments"][-1]["t1"] - j["segments"][0]["t0"])) < 1e-9'
 
-for wrong in "" "$leaf" "$leaf --at 1,1" "$leaf --iso 1" "$leaf --iso 1 --at 1,1 --point 1,1,1" "$leaf --iso 1 --at 1024,0" \
+for wrong in "" "$leaf" "$leaf --iso 1" "$leaf --iso 1 --at 1,1 --point 1,1,1" "$leaf --iso 1 --at 1024,0" \
     "$leaf --iso 1 --at 1.5,0" "$leaf --iso 1 --ray 0,0,0,0,0,0" "$leaf --point 1,2" "$leaf --iso nan --at 1,1" \
     "$leaf --point 1,2,3 -o x" "$leaf --point 1,2,3 --segments" "$leaf $along --csv - --json"; do
     exits "usage: $wrong" 2 "$leafcast" probe $wrong

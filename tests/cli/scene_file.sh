@@ -107,7 +107,7 @@ wrong() {
     ok "and so it is said" says "$2" err
 }
 wrong '{"objects": [{"file": "grid.leaf"' 'wrong.json: line 2' 3
-wrong '{"size": [8, 8]}' 'neither a treelet file nor a scene: a scene has "objects"'
+wrong '{"size": [8, 8]}' 'neither a treelet file nor a scene: a scene has "objects"' 3
 wrong '{"objects": []}' 'objects: an array of 1 to 4096'
 wrong '{"objects": [{"iso": 1}]}' 'objects[0]: an object has a "file"'
 wrong '{"objects": [{"file": "grid.leaf"}, {"file": "tets.leaf", "colr": "red"}]}' 'objects[1]: there is no "colr"'

@@ -322,9 +322,6 @@ ROWS = (
     ("mesh stream", "bytes at the end", stream, 3, "t.mesh", None),
     ("PLY", "rows", lambda: put("a.ply", b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
      b"property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n" + ROWS_OF_3), 3, "nothing more here", None),
-    ("OFF", "rows", lambda: put("a.off", b"OFF\n3 2 0\n" + ROWS_OF_3), 3, "nothing more here", None),
-    ("STL", "bytes at the end", lambda: put("a.stl", bytes(80) + struct.pack("<I", 2) + bytes(50)), 3, "but only 50 bytes follow", None),
-    ("glTF", "bytes at the end", lambda: put("a.glb", b"glTF" + struct.pack("<II", 2, 100)), 3, "a.glb", None),
     ("curvilinear stream", "bytes at the end", curvilinear, 3, "t.curv", None),
     ("PLOT3D", "bytes at the end", lambda: put("a.p3d", struct.pack(">3i", 2, 3, 4) + bytes(12 * 24 - 1)), 3, "PLOT3D", None),
 )

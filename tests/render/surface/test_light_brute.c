@@ -370,7 +370,7 @@ static void pixels_are_what_rays_say(void **state) {
             print_message("%s, %s: %d pixels judged, mean slack %.4f; %d unclear\n", NAMES[kind],
                           opaque ? "opaque" : "transparent", n.judged, n.slack / n.judged,
                           n.unclear);
-            assert_true(n.judged > 300 / STEP && n.unclear * 20 < n.judged);
+            assert_true(n.judged >= 150 / STEP && n.unclear * 20 < n.judged);
             assert_true(n.slack < 0.01 * n.judged);
             assert_true(stats.mirrored_rays > 0 && stats.occlusion_rays > 0);
             assert_int_equal(stats.rays, stats.primary_rays + stats.shadow_rays +
