@@ -14,6 +14,7 @@
 #include "formats/base/num.h"
 #include "formats/base/printed_file.h"
 #include "render/app/image_out.h"
+#include "render/app/picture_scene.h"
 #include "render/bench/bench_plot.h"
 #include "render/bench/peer_media.h"
 #include "render/bench/peer_race.h"
@@ -139,8 +140,8 @@ static status check_flags(const peers_options *o) {
 static status check(peers_options *o) {
     const char *const outputs[] = {o->common.output, o->plot};
     status st = check_flags(o);
-    if (st == ST_OK)
-        st = o->media ? view_options_check_either(&o->view) : peer_race_check(&o->view);
+    if (st == ST_OK && o->media)
+        st = view_options_check_either(&o->view);
     if (st == ST_OK)
         st = file_guard_input(o->common.input);
     for (int i = 0; i < 2 && st == ST_OK; i++) {
@@ -155,16 +156,25 @@ static status check(peers_options *o) {
     return st;
 }
 
-/* A thousandth of the volume's range, unless said otherwise. */
-static status find_step(peers_options *o) {
+/* What is drawn, as render chooses it; steps of a thousandth of the volume's range, unless said
+ * otherwise. */
+static status choose(peers_options *o) {
     leafcast *volume = NULL;
-    if (o->step != 0.0 || o->media)
+    double suggested[LEAFCAST_SUGGESTIONS_MAX];
+    int count;
+    if (o->media)
         return ST_OK;
     status st = (status)leafcast_open(o->common.input, NULL, &volume);
     if (st == ST_OK) {
         const leafcast_info info = leafcast_describe(volume);
-        o->step = 1e-3 * (info.value_max - info.value_min);
+        if (o->step == 0.0)
+            o->step = 1e-3 * (info.value_max - info.value_min);
+        st = picture_scene_choose(volume, &o->view, suggested, &count);
     }
+    if (st == ST_OK)
+        st = picture_scene_check_used(volume, &o->view);
+    if (st == ST_OK)
+        st = peer_race_check(&o->view);
     leafcast_close(volume);
     return st;
 }
@@ -197,7 +207,7 @@ static status run(peers_options *o) {
     peer_race_missing missing = {0};
     status st = check(o);
     if (st == ST_OK)
-        st = find_step(o);
+        st = choose(o);
     if (st)
         return st;
     const peer_race_options race = {.path = o->common.input,
@@ -238,8 +248,9 @@ int main(int argc, char **argv) {
         .set_option = set_option,
         .check = check_options,
         .input = "file",
-        .args_doc = "F.leaf --iso V",
-        .doc = "Measure beside others: Embree on the extracted triangles, VTK's flying edges; "
+        .args_doc = "F.leaf [--iso V]",
+        .doc = "Measure beside others: Embree on the extracted triangles, or those of the file, "
+               "VTK's flying edges; "
                "with --media, VTK's ray caster.\v"
                "Example:\n  leafcast bench peers bonsai.leaf --iso 37 --light 0,1,2 --shadows\v"
                "The same volume, isovalue, camera, picture and threads, in turn. A new isovalue: "

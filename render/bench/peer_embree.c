@@ -424,13 +424,13 @@ static void triangle_normals(const struct RTCHit16 *hit, lanes *n) {
     memcpy(n->z, hit->Ng_z, sizeof n->z);
 }
 
-/* The colours of the surfaces there are; returns how many rays went to lamps. Rays alone: of these,
- * by the triangles' own normals. */
+/* The colours of the surfaces there are; returns how many rays went to lamps. Rays alone, and a
+ * mesh without normals: by the triangles' own. */
 static uint64_t shade(const frame *f, const packet *p, lanes *colour) {
     lanes normal;
     if (!f->image->r && !f->shadows)
         return 0;
-    if (f->image->r)
+    if (f->image->r && f->e->mesh->normals)
         interpolate_normals(f->e->mesh, &p->rays, &normal);
     else
         triangle_normals(&p->rays.hit, &normal);

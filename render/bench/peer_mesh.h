@@ -15,7 +15,7 @@ typedef struct peer_mesh {
     double origin[3]; /* world space; positions relate to it, so that floats suffice */
     float *positions; /* x y z of each vertex, and room for one more */
     float *normals;   /* unit, towards lower values: central differences at the nodes, interpolated;
-                         0 where there is no gradient */
+                         0 where there is no gradient; NULL: the triangles' own */
     uint32_t *corners; /* three vertices a triangle */
     size_t vertices, triangles;
     mem *m;

@@ -8,6 +8,7 @@
 #include "render/app/view_camera.h"
 #include "render/bench/bench_layers.h"
 #include "render/bench/peer_embree.h"
+#include "render/bench/peer_surface.h"
 #include "render/bench/peer_tets.h"
 #include "render/bench/peer_vtk.h"
 
@@ -48,6 +49,7 @@ struct race {
     float *alpha;
     peer_field field; /* of a grid */
     peer_tets tets;   /* of a mesh of tetrahedra; else without a file */
+    bool given;       /* a surface itself: there is nothing to extract */
     peer_mesh mesh;
     peer_embree *bvh[BVHS];
     double extract_s, build_s[BVHS];
@@ -176,6 +178,8 @@ static bool goes_behind(const race *r) {
 static bool takes_part(const race *r, const contestant *c) {
     if (c->turn == turn_vtk)
         return r->vtk;
+    if (c->fresh && r->given)
+        return false;
     return !c->embree || (r->bvh[c->bvh] && (!c->way.incoherent || goes_behind(r)));
 }
 
@@ -260,8 +264,9 @@ static status set_up_embree(race *r, peer_race_missing *missing) {
         snprintf(missing->embree, sizeof missing->embree, "%s", status_text());
         return st == ST_UNSUPPORTED ? ST_OK : st;
     }
-    status st = extract(r, r->o->view->surfaces[0].isovalue, &r->mesh);
-    r->extract_s = clock_seconds() - start;
+    status st = r->given ? peer_surface_load(r->m, r->o->path, r->threads, &r->mesh)
+                         : extract(r, r->o->view->surfaces[0].isovalue, &r->mesh);
+    r->extract_s = r->given ? 0.0 : clock_seconds() - start;
     if (st == ST_OK && r->mesh.triangles == 0)
         st = status_describe(ST_USAGE, "%s: the isovalue has no surface", r->o->path);
     for (int i = 0; i < BVHS && st == ST_OK; i++) {
@@ -275,7 +280,7 @@ static status set_up_embree(race *r, peer_race_missing *missing) {
 }
 
 static status set_up_vtk(race *r, peer_race_missing *missing) {
-    if (r->tets.file) {
+    if (r->tets.file || r->given) {
         snprintf(missing->vtk, sizeof missing->vtk, "VTK's flying edges are for grids");
         return ST_OK;
     }
@@ -284,6 +289,15 @@ static status set_up_vtk(race *r, peer_race_missing *missing) {
         return st;
     snprintf(missing->vtk, sizeof missing->vtk, "%s", status_text());
     return ST_OK;
+}
+
+static status load(race *r) {
+    const leafcast_info info = leafcast_describe(r->steady);
+    r->given = info.abilities & LEAFCAST_ABILITY_GIVEN;
+    if (r->given)
+        return ST_OK; /* for Embree alone */
+    return info.dims[0] == 0 ? peer_tets_load(r->m, r->o->path, r->threads, &r->tets)
+                             : peer_field_load(r->m, r->o->path, r->threads, &r->field);
 }
 
 static status set_up(race *r, peer_race_missing *missing) {
@@ -300,9 +314,7 @@ static status set_up(race *r, peer_race_missing *missing) {
     if (st == ST_OK)
         st = progress_step(r->o->progress, "loading", 0.0);
     if (st == ST_OK)
-        st = leafcast_describe(r->steady).dims[0] == 0
-                 ? peer_tets_load(r->m, r->o->path, r->threads, &r->tets)
-                 : peer_field_load(r->m, r->o->path, r->threads, &r->field);
+        st = load(r);
     if (st == ST_OK)
         st = set_up_embree(r, missing);
     if (st == ST_OK)
