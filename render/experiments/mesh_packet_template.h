@@ -19,7 +19,7 @@
 void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                             tile_outcome *out, ray_counters *counters);
 void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
-                          tet_rays *rays, int first, int end);
+                          flat_rays *rays, int first, int end);
 
 /* A node or treelet still to be visited, its box relative to the eye. */
 typedef struct packet_pending {
@@ -43,7 +43,7 @@ typedef struct packet {
     double eye[3];
     packet_frustum frustum;
     bool lowered; /* rays have found something since `frustum.far` was set */
-    tet_rays rays;
+    flat_rays rays;
     packet_pending in_treelet[PACKET_TREELET_STACK], in_tree[PACKET_TREE_STACK]; /* stacks */
 } packet;
 
@@ -65,7 +65,7 @@ enum { PACKET_LAYERS = 1 };
 
 /* Returns which of VD_N rays from `at` on meet the box before their nearest hit so far. */
 SIMD unsigned rays_meet(const packet *w, const packet_box *b, int at) {
-    const tet_rays *r = &w->rays;
+    const flat_rays *r = &w->rays;
     const vd d[3] = {d_load(r->d[0] + at), d_load(r->d[1] + at), d_load(r->d[2] + at)};
     return box_interval_meets(d, b->lo, b->hi, d_load(r->from + at), d_load(r->to + at));
 }
@@ -301,7 +301,7 @@ static void packet_waits(packet *w, const packet_pending *p) {
         if (!(rays_meet(w, &p->box, i & -VD_N) >> i % VD_N & 1u))
             continue;
         out->waits[y] |= 1u << x;
-        tet_rays_clear(&w->rays, i);
+        flat_rays_clear(&w->rays, i);
         any = true;
     }
     if (any)
@@ -382,7 +382,7 @@ static int packet_begin(packet *w) {
     for (int i = padded; i-- > 0;) {
         const unsigned y = w->y + (unsigned)i / w->side, x = w->x + (unsigned)i % w->side;
         const unsigned from = TILE * y + x;
-        tet_rays_clear(&w->rays, i);
+        flat_rays_clear(&w->rays, i);
         if (i >= w->count || !(w->s.open[y] >> x & 1u))
             continue;
         ray r = {.t0 = rays->t0[from], .t1 = rays->t1[from]};
@@ -391,7 +391,7 @@ static int packet_begin(packet *w) {
             r.d[a] = rays->d[a][from];
         }
         const hit after = w->s.before > 0 ? tile_hit(&w->s, &w->s.after[from]) : before;
-        tet_rays_put(&w->rays, i, &r, &after);
+        flat_rays_put(&w->rays, i, &r, &after);
         packet_frustum_add(&w->frustum, r.d);
         first = i;
     }

@@ -152,5 +152,33 @@ SIMD void see_lanes(const polygon_lanes *g, const double o[3], seen_lanes *out) 
     see_edges(g, 3, 0, (const vd(*)[3])p, most, out, EDGE_30);
 }
 
+/* A polygon, prepared for rays from these origins. */
+typedef struct seen {
+    vd a[4][3];
+    seen_edge edge[EDGES];
+} seen;
+
+/* Prepare the edge function, from the point of the lower rank. Reversing the edge only changes
+ * its sign, to the bit. */
+SIMD void see_edge(const flat_polygon *g, int i, int j, const vd a[4][3], seen_edge *out) {
+    vd e[3];
+    for (int k = 0; k < 3; k++)
+        e[k] = d_set(g->p[j][k]) - d_set(g->p[i][k]);
+    see_line(a[g->edge[i] > g->edge[j] ? j : i], e, out);
+}
+
+SIMD void see(const flat_polygon *g, const vd o[3], seen *out) {
+    for (int i = 0; i < g->count; i++)
+        for (int k = 0; k < 3; k++)
+            out->a[i][k] = d_set(g->p[i][k]) - o[k];
+    see_edge(g, 1, 2, out->a, &out->edge[EDGE_12]);
+    see_edge(g, 2, 0, out->a, &out->edge[EDGE_20]);
+    see_edge(g, 0, 1, out->a, &out->edge[EDGE_01]);
+    if (g->count < 4)
+        return;
+    see_edge(g, 2, 3, out->a, &out->edge[EDGE_23]);
+    see_edge(g, 3, 0, out->a, &out->edge[EDGE_30]);
+}
+
 #endif
 #endif

@@ -12,13 +12,15 @@
 
 #ifdef SIMD_NAME
 
-#include "render/mesh/tet_rays_template.h"
+#include "render/flat/flat_rays_template.h"
+#include "render/mesh/isopolygon_template.h"
+#include "render/mesh/tet_batch.h"
 
 void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
-                          tet_rays *rays, int first, int end);
+                          flat_rays *rays, int first, int end);
 
 /* Compute t for a vector of rays that are known to hit the triangle `known`, and offer the hits. */
-SIMD void pass_rays(const seen *s, tet_rays *rays, int at, hit_of of, tet_known known,
+SIMD void pass_rays(const seen *s, flat_rays *rays, int at, hit_of of, tet_known known,
                     unsigned wanted) {
     const vd d[3] = {d_load(rays->d[0] + at), d_load(rays->d[1] + at), d_load(rays->d[2] + at)};
     const vd exact = d_set(0.0);
@@ -32,13 +34,13 @@ SIMD void pass_rays(const seen *s, tet_rays *rays, int at, hit_of of, tet_known 
     (void)meet(rays, at, of, d, s->a[0], s->a[b], s->a[b + 1], w0, w1, w2, v, wanted);
 }
 
-SIMD void see_from_one(const isopolygon *g, const tet_rays *rays, int at, seen *s) {
+SIMD void see_from_one(const isopolygon *g, const flat_rays *rays, int at, seen *s) {
     const vd o[3] = {d_set(rays->o[0][at]), d_set(rays->o[1][at]), d_set(rays->o[2][at])};
     see(g, o, s);
 }
 
 void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
-                          tet_rays *rays, int first, int end) {
+                          flat_rays *rays, int first, int end) {
     const hit_of of = {cell, iso_index};
     const unsigned all = (1u << VD_N) - 1;
     seen s;

@@ -25,7 +25,7 @@
  *             and size), and by 2^-30 of the way across the treelet.
  *
  *   beams     beams_through(), boxes_in(): intervals of origins and of directions, in floats of a
- *             mesh's own frame. mesh_beams_template.h says by how much they widen.
+ *             mesh's own frame. flat_beams_template.h says by how much they widen.
  */
 #ifndef RENDER_RAY_RAY_BOX_H
 #define RENDER_RAY_RAY_BOX_H

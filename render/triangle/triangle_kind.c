@@ -6,6 +6,7 @@
 #include "formats/base/box3.h"
 #include "render/look/box_projection.h"
 #include "render/ray/open_volume.h"
+#include "render/triangle/triangle_batch.h"
 #include "render/triangle/triangle_tile.h"
 #include "render/triangle/triangle_walk.h"
 #include "render/walk/cell_walks.h"
@@ -19,6 +20,7 @@ static const triangle_blocks *blocks_of(const treelet *at) {
 /* ---- An open volume ---- */
 
 CPU_KERNELS(tile_fn, triangle_tile_kernels, NULL, triangle_tile);
+CPU_KERNELS(batch_fn, triangle_batch_kernels, NULL, triangle_batch);
 
 static status triangle_project(leafcast *v, const struct camera *c, struct projection *out) {
     box_projection_init(out, v->file->header.bounds, c);
@@ -36,6 +38,9 @@ static const kind_tiles tiles = {.side = TRIANGLE_TILE,
                                  .kernels = triangle_tile_kernels,
                                  .project = triangle_project,
                                  .projection_bytes = triangle_projection_bytes};
+
+static const kind_batches batches = {.scratch = TRIANGLE_BATCH_SCRATCH,
+                                     .hits = triangle_batch_kernels};
 
 static void triangle_describe(const leafcast *v, leafcast_info *info) {
     info->cells = v->file->header.tets;
@@ -146,5 +151,6 @@ const kind triangle_kind = {.name = "triangles",
                             .gradient = no_gradient,
                             .cell_in = no_cell_in,
                             .tiles = &tiles,
+                            .batches = &batches,
                             .cell_of_hit = triangle_of_hit,
                             .cell_corners = triangle_corners};

@@ -6,6 +6,6 @@
 
 /* tet_batch_wide() - a tet_batch_fn. */
 void tet_batch_wide(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
-                    tet_rays *rays, int first, int end);
+                    flat_rays *rays, int first, int end);
 
 #endif

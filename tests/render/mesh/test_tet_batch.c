@@ -35,8 +35,8 @@ static tet_batch_fn version(int v, const char **name) {
 
 typedef struct scene {
     isopolygon polygons[TETS * ISOS]; /* number: tet * ISOS + iso; count 0: none */
-    ray rays[TET_RAYS];
-    hit after[TET_RAYS];
+    ray rays[FLAT_RAYS];
+    hit after[FLAT_RAYS];
     int count; /* rays */
     bool one_origin, lattice;
 } scene;
@@ -66,7 +66,7 @@ static void make_polygons(void) {
 
 static void make_rays(void) {
     const double eye[3] = {place(9.0) - 4.0, place(9.0), place(9.0)};
-    it.count = 1 + (int)field_random_below(&dice, TET_RAYS);
+    it.count = 1 + (int)field_random_below(&dice, FLAT_RAYS);
     for (int i = 0; i < it.count; i++) {
         ray *r = &it.rays[i];
         double sum = 0.0;
@@ -107,12 +107,12 @@ static bool same(const hit *a, const hit *b) {
 /* ---- the comparison -------------------------------------------------------------------------- */
 
 /* All polygons, from a random one on; rays in two parts. */
-static void run(tet_batch_fn batch, tet_rays *rays, int first, int middle, int end) {
+static void run(tet_batch_fn batch, flat_rays *rays, int first, int middle, int end) {
     rays->one_origin = it.one_origin;
-    for (int i = 0; i < TET_RAYS; i++)
-        tet_rays_clear(rays, i);
+    for (int i = 0; i < FLAT_RAYS; i++)
+        flat_rays_clear(rays, i);
     for (int i = 0; i < it.count; i++)
-        tet_rays_put(rays, i, &it.rays[i], &it.after[i]);
+        flat_rays_put(rays, i, &it.rays[i], &it.after[i]);
     const int start = (int)field_random_below(&dice, TETS * ISOS);
     for (int n = 0; n < TETS * ISOS; n++) {
         const int i = (start + 7 * n) % (TETS * ISOS); /* 7 and 300 have no divisor in common */
@@ -123,9 +123,9 @@ static void run(tet_batch_fn batch, tet_rays *rays, int first, int middle, int e
     }
 }
 
-static void compare(const tet_rays *rays, const hit *expected, const char *name, int round,
+static void compare(const flat_rays *rays, const hit *expected, const char *name, int round,
                     int first, int end) {
-    for (int i = 0; i < TET_RAYS; i++) {
+    for (int i = 0; i < FLAT_RAYS; i++) {
         const hit none = hit_none();
         const hit *want = i >= first && i < end ? &expected[i] : &none;
         if (!same(&rays->best[i], want))
@@ -138,8 +138,8 @@ static void compare(const tet_rays *rays, const hit *expected, const char *name,
 
 /* Layer after layer: each round's hits are what the next one's lie behind. */
 static int check_layers(int round) {
-    static tet_rays rays;
-    hit expected[TET_RAYS];
+    static flat_rays rays;
+    hit expected[FLAT_RAYS];
     int hits = 0;
     for (int layer = 0; layer < 3; layer++) {
         for (int i = 0; i < it.count; i++) {

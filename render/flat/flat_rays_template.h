@@ -1,18 +1,18 @@
-/* tet_rays_template.h - tests vectors of the rays of tet_batch.h against one isopolygon; included
- * by the units of an ISA (see formats/base/simd.h).
+/* flat_rays_template.h - tests vectors of the rays of flat_rays.h against one polygon; included by
+ * the units of an ISA (see formats/base/simd.h).
  *
  * Each ray may have its own origin. The polygon is seen from VD_N origins at a time, lane by lane
  * as exact_near() does, so that its bound holds for each.
  */
-#ifndef RENDER_MESH_TET_RAYS_TEMPLATE_H
-#define RENDER_MESH_TET_RAYS_TEMPLATE_H
+#ifndef RENDER_FLAT_FLAT_RAYS_TEMPLATE_H
+#define RENDER_FLAT_FLAT_RAYS_TEMPLATE_H
 
 #include "formats/base/simd.h"
 
 #ifdef SIMD_NAME
 
-#include "render/mesh/isopolygon_template.h"
-#include "render/mesh/tet_batch.h"
+#include "render/flat/flat_polygon_template.h"
+#include "render/flat/flat_rays.h"
 
 typedef struct hit_of {
     uint64_t cell;
@@ -21,22 +21,23 @@ typedef struct hit_of {
 
 /* Offer hits at t of the rays at + bit. Returns the rays for which this is the nearest hit so
  * far. */
-SIMD unsigned offer(tet_rays *rays, int at, hit_of of, unsigned hits, unsigned enters, vd t) {
+SIMD unsigned offer(flat_rays *rays, int at, hit_of of, unsigned hits, unsigned enters, vd t) {
     double ts[VD_N];
     unsigned taken = 0;
     d_store(ts, t);
     for (; hits; hits &= hits - 1) {
         const int k = __builtin_ctz(hits);
         const hit h = {ts[k], of.cell, of.iso, enters >> k & 1};
-        taken |= (unsigned)tet_batch_offer(rays, at + k, &h) << k;
+        taken |= (unsigned)flat_rays_offer(rays, at + k, &h) << k;
     }
     return taken;
 }
 
 /* Test the triangle with these corners, for rays that hit no other triangle of the polygon. Returns
  * as offer() does. */
-SIMD unsigned meet(tet_rays *rays, int at, hit_of of, const vd d[3], const vd a0[3], const vd a1[3],
-                   const vd a2[3], weights w0, weights w1, weights w2, verdict v, unsigned wanted) {
+SIMD unsigned meet(flat_rays *rays, int at, hit_of of, const vd d[3], const vd a0[3],
+                   const vd a1[3], const vd a2[3], weights w0, weights w1, weights w2, verdict v,
+                   unsigned wanted) {
     const md hits = md_or(v.enters, v.leaves);
     if (!(md_bits(hits) & wanted))
         return 0;
@@ -52,7 +53,7 @@ SIMD weights weigh_ray(const vd d[3], const vd moduli[3], const seen_edge *e) {
 
 /* Test a vector of rays. wanted: rays to test. Returns the rays for which this is the nearest hit
  * so far. */
-SIMD unsigned test_rays(const isopolygon *g, const seen *s, tet_rays *rays, int at, hit_of of,
+SIMD unsigned test_rays(const flat_polygon *g, const seen *s, flat_rays *rays, int at, hit_of of,
                         unsigned wanted) {
     const vd d[3] = {d_load(rays->d[0] + at), d_load(rays->d[1] + at), d_load(rays->d[2] + at)};
     const vd moduli[3] = {d_abs(d[0]), d_abs(d[1]), d_abs(d[2])};
@@ -76,12 +77,12 @@ SIMD unsigned test_rays(const isopolygon *g, const seen *s, tet_rays *rays, int 
     for (unsigned left = doubtful & wanted; left; left &= left - 1) {
         const int lane = at + __builtin_ctz(left);
         if (rays->from[lane] <= rays->to[lane])
-            taken |= (unsigned)tet_batch_one(g, of.cell, of.iso, rays, lane) << (lane - at);
+            taken |= (unsigned)flat_rays_one(g, of.cell, of.iso, rays, lane) << (lane - at);
     }
     return taken;
 }
 
-SIMD void see_from(const isopolygon *g, const tet_rays *rays, int at, seen *s) {
+SIMD void see_from(const flat_polygon *g, const flat_rays *rays, int at, seen *s) {
     const vd o[3] = {d_load(rays->o[0] + at), d_load(rays->o[1] + at), d_load(rays->o[2] + at)};
     see(g, o, s);
 }

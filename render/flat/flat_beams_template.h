@@ -1,12 +1,12 @@
-/* mesh_beams_template.h - beams of rays and boxes, in the frame of a mesh; included by the units of
- * an ISA (see formats/base/simd.h).
+/* flat_beams_template.h - beams of rays and boxes, in the frame of a volume; included by the units
+ * of an ISA (see formats/base/simd.h).
  *
- * The frame. A mesh is moved and scaled until its bounds lie within -1 .. 1, and mirrored until all
- * directions of a group of rays are positive. A ray's direction is scaled until its largest
- * component is 1. t is counted from a little (AHEAD) before the ray enters the mesh, or before its
+ * The frame. A volume is moved and scaled until its bounds lie within -1 .. 1, and mirrored until
+ * all directions of a group of rays are positive. A ray's direction is scaled until its largest
+ * component is 1. t is counted from a little (AHEAD) before the ray enters it, or before its
  * own start if that comes later. So all that it may meet lies at 0 <= t <= 4 or so, and a box's
- * near planes are its lower ones. All numbers are then floats of ordinary size, whatever the mesh's
- * coordinates are.
+ * near planes are its lower ones. All numbers are then floats of ordinary size, whatever the
+ * volume's coordinates are.
  *
  * Errors, with u = 2^-24, and the margins that cover them:
  *
@@ -30,26 +30,27 @@
  * - Absent treelets. A ray waits for each absent treelet that it enters according to
  * box_interval_in(). That test has a margin of its own: see generosity().
  */
-#ifndef RENDER_MESH_MESH_BEAMS_TEMPLATE_H
-#define RENDER_MESH_MESH_BEAMS_TEMPLATE_H
+#ifndef RENDER_FLAT_FLAT_BEAMS_TEMPLATE_H
+#define RENDER_FLAT_FLAT_BEAMS_TEMPLATE_H
 
 #include "formats/base/simd.h"
 
 #ifdef SIMD_NAME
 
-#include "render/mesh/mesh_batch.h"
-#include "render/mesh/mesh_tracer.h"
-#include "render/mesh/mesh_walk.h"
-#include "render/mesh/tet_rays_template.h"
+#include "render/flat/flat_rays_template.h"
+#include "render/walk/box_interval.h"
+
+/* Beams of a group that are walked together: bits of a word. */
+enum { FLAT_BEAMS = 32 };
 
 static const double AHEAD = 0x1p-16, STEEPEST = 0x1p40, FARTHEST = 0x1p12;
 
-/* A mesh's frame, and how a group of rays mirrors it. */
+/* A volume's frame, and how a group of rays mirrors it. */
 typedef struct beam_frame {
     double centre[3], scale;
     double sign[3];
     float slack[3]; /* of boxes */
-    double half;    /* all of the mesh lies within -half .. half, margins included */
+    double half;    /* all of the volume lies within -half .. half, margins included */
 } beam_frame;
 
 /* Returns false if the frame's numbers are too large or too small for floats. */
@@ -73,18 +74,18 @@ static bool frame_of_bounds(const float bounds[6], beam_frame *f) {
 
 /* ---- Rays ---- */
 
-/* The rays of a group, numbered like those of tet_rays. */
+/* The rays of a group, numbered like those of flat_rays. */
 typedef struct frame_rays {
-    _Alignas(64) float o[3][TET_RAYS], d[3][TET_RAYS], inverse[3][TET_RAYS];
-    float moment[3][TET_RAYS]; /* o x d */
-    float far[TET_RAYS];       /* how far they look; below 0: not at all */
-    float back[TET_RAYS];      /* how far before each its beam begins */
-    double begin[TET_RAYS];    /* t in the frame is per_t times the ray's own t, less `begin` */
-    double per_t[TET_RAYS];
+    _Alignas(64) float o[3][FLAT_RAYS], d[3][FLAT_RAYS], inverse[3][FLAT_RAYS];
+    float moment[3][FLAT_RAYS]; /* o x d */
+    float far[FLAT_RAYS];       /* how far they look; below 0: not at all */
+    float back[FLAT_RAYS];      /* how far before each its beam begins */
+    double begin[FLAT_RAYS];    /* t in the frame is per_t times the ray's own t, less `begin` */
+    double per_t[FLAT_RAYS];
 } frame_rays;
 
 /* Convert VD_N rays from `at` on. */
-SIMD void put_in_frame(const beam_frame *f, const tet_rays *from, int at, frame_rays *to) {
+SIMD void put_in_frame(const beam_frame *f, const flat_rays *from, int at, frame_rays *to) {
     vd d[3], o[3], largest = d_set(0.0), enter = d_set(-INFINITY), leave = d_set(INFINITY);
     for (int a = 0; a < 3; a++) {
         d[a] = d_abs(d_load(from->d[a] + at));
@@ -136,13 +137,13 @@ SIMD void f_pack(float *to, unsigned of, vf x) {
 
 /* Beams, a lane each. For near planes: the origin farthest ahead and the fastest ray. For far
  * planes: the origin farthest behind and the slowest ray. */
-typedef struct mesh_beams {
-    _Alignas(64) float ahead[3][MESH_BEAMS], behind[3][MESH_BEAMS];
-    float least[3][MESH_BEAMS], most[3][MESH_BEAMS]; /* of the inverses of directions */
-    float far[MESH_BEAMS];
-} mesh_beams;
+typedef struct flat_beams {
+    _Alignas(64) float ahead[3][FLAT_BEAMS], behind[3][FLAT_BEAMS];
+    float least[3][FLAT_BEAMS], most[3][FLAT_BEAMS]; /* of the inverses of directions */
+    float far[FLAT_BEAMS];
+} flat_beams;
 
-static void empty_beam(mesh_beams *m, unsigned beam) {
+static void empty_beam(flat_beams *m, unsigned beam) {
     for (int a = 0; a < 3; a++) {
         m->ahead[a][beam] = m->behind[a][beam] = 0.0f;
         m->least[a][beam] = m->most[a][beam] = 1.0f;
@@ -290,7 +291,7 @@ SIMD unsigned heads_of_blocks(const block_lanes *b, uint8_t share[VF_N]) {
 }
 
 /* Make beams of blocks, from number `beam` on. slack: the margin, see generosity(). */
-SIMD void put_blocks(mesh_beams *m, unsigned beam, const block_lanes *b, unsigned heads,
+SIMD void put_blocks(flat_beams *m, unsigned beam, const block_lanes *b, unsigned heads,
                      float slack) {
     for (int a = 0; a < 3; a++) {
         f_pack(m->ahead[a] + beam, heads, b->ahead[a] + f_set(slack));
@@ -314,15 +315,15 @@ SIMD float generosity(const frame_rays *r, unsigned count) {
 
 /* ---- Boxes ---- */
 
-/* At nodes, AVX-512 has idle lanes, and SSE needs two vectors. */
-enum { BEAM_BOXES = (int)VF_N > (int)MESH_CHILDREN ? (int)VF_N : (int)MESH_CHILDREN };
+/* Boxes of a node. There, AVX-512 has idle lanes, and SSE needs two vectors. */
+enum { NODE_BOXES = 8, BEAM_BOXES = (int)VF_N > NODE_BOXES ? (int)VF_N : NODE_BOXES };
 
 typedef struct beam_boxes {
     _Alignas(64) float lo[3][BEAM_BOXES], hi[3][BEAM_BOXES];
 } beam_boxes;
 
 /* Returns which of VF_N beams from `at` on may meet a box. */
-SIMD unsigned beams_through(const mesh_beams *m, const beam_boxes *b, unsigned box, unsigned at) {
+SIMD unsigned beams_through(const flat_beams *m, const beam_boxes *b, unsigned box, unsigned at) {
     vf in = f_set(0.0f), out = f_load(m->far + at);
     for (int a = 0; a < 3; a++) {
         const vf near = f_set(b->lo[a][box]) - f_load(m->ahead[a] + at);
@@ -334,7 +335,7 @@ SIMD unsigned beams_through(const mesh_beams *m, const beam_boxes *b, unsigned b
 }
 
 /* Returns which of VF_N boxes from `at` on a beam may meet. */
-SIMD unsigned boxes_in(const mesh_beams *m, const beam_boxes *b, unsigned at, unsigned beam) {
+SIMD unsigned boxes_in(const flat_beams *m, const beam_boxes *b, unsigned at, unsigned beam) {
     vf in = f_set(0.0f), out = f_set(m->far[beam]);
     for (int a = 0; a < 3; a++) {
         const vf near = f_load(b->lo[a] + at) - f_set(m->ahead[a][beam]);
@@ -349,7 +350,7 @@ SIMD unsigned boxes_in(const mesh_beams *m, const beam_boxes *b, unsigned at, un
 SIMD unsigned vectors_in(uint32_t beams) {
     enum { ALL = (1u << VF_N) - 1 };
     unsigned count = 0;
-    for (unsigned at = 0; at < MESH_BEAMS; at += VF_N)
+    for (unsigned at = 0; at < FLAT_BEAMS; at += VF_N)
         count += (beams >> at & ALL) != 0;
     return count;
 }
@@ -358,7 +359,7 @@ SIMD unsigned vectors_in(uint32_t beams) {
  * with; any: all beams in wanted[]. Returns the boxes that some wanted beam may meet, and sets
  * met[] to these beams. met[] of other boxes is undefined. Takes the cheaper way: vectors of boxes,
  * beam by beam, or vectors of beams, box by box. */
-SIMD unsigned meet_boxes(const mesh_beams *m, const beam_boxes *b, unsigned boxes, uint32_t any,
+SIMD unsigned meet_boxes(const flat_beams *m, const beam_boxes *b, unsigned boxes, uint32_t any,
                          const uint32_t wanted[BEAM_BOXES], uint32_t met[BEAM_BOXES]) {
     enum { ALL = (1u << VF_N) - 1 };
     const unsigned end = 32u - (unsigned)__builtin_clz(boxes | 1u);
@@ -381,7 +382,7 @@ SIMD unsigned meet_boxes(const mesh_beams *m, const beam_boxes *b, unsigned boxe
     for (; boxes; boxes &= boxes - 1) {
         const unsigned c = (unsigned)__builtin_ctz(boxes);
         met[c] = 0;
-        for (unsigned at = 0; at < MESH_BEAMS; at += VF_N) {
+        for (unsigned at = 0; at < FLAT_BEAMS; at += VF_N) {
             const unsigned bits = wanted[c] >> at & ALL;
             if (bits)
                 met[c] |= (beams_through(m, b, c, at) & bits) << at;

@@ -1,0 +1,1 @@
+#include "render/triangle/triangle_batch_template.h"
