@@ -120,7 +120,8 @@ static const char *draw_file(const char *bytes, size_t size, bool in_place, leaf
             st = is_finite(&camera)
                      ? draw_set(v, &camera, set, set < info.steps ? info.steps - 1 - set : 0)
                      : LEAFCAST_OK;
-        if (st == LEAFCAST_OK && is_finite(&camera))
+        const bool given = info.abilities & LEAFCAST_ABILITY_GIVEN; /* nothing beside its cells */
+        if (st == LEAFCAST_OK && is_finite(&camera) && !given)
             st = leafcast_probe_point(v, camera.look_at, &sample);
         if (st == LEAFCAST_OK && is_finite(&camera))
             st = slice_file(v, camera.look_at);
