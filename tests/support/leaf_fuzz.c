@@ -123,7 +123,7 @@ static const char *draw_file(const char *bytes, size_t size, bool in_place, leaf
         const bool given = info.abilities & LEAFCAST_ABILITY_GIVEN; /* nothing beside its cells */
         if (st == LEAFCAST_OK && is_finite(&camera) && !given)
             st = leafcast_probe_point(v, camera.look_at, &sample);
-        if (st == LEAFCAST_OK && is_finite(&camera))
+        if (st == LEAFCAST_OK && is_finite(&camera) && !given)
             st = slice_file(v, camera.look_at);
     }
     r->trace = (status)st;
