@@ -94,12 +94,13 @@ static void surface_answer(const frame *f, ray_record *record, trace_result resu
     surface_ray_answer(f, &surface_pixel_of(record)->way, result);
 }
 
-/* A tile's kernel walks one volume, and may have but one colour for each surface. */
+/* A tile's kernel walks one volume, and may have but one colour for each surface, unless another
+ * volume's values colour it. */
 static tile_fn surface_tile(const frame *f) {
     const transfer *colours = surface_look_of(f)->colours;
     const bool coloured = f->tracer->coloured || (colours && colours->spans > 0);
-    return f->projection && !surface_look_of(f)->soft && !surface_lookup_of(f, 0) &&
-                   (!coloured || f->tracer->kind->tiles->colours)
+    return f->projection && !surface_look_of(f)->soft &&
+                   (!coloured || surface_lookup_of(f, 0) || f->tracer->kind->tiles->colours)
                ? f->tracer->kernels->tile
                : NULL;
 }

@@ -128,7 +128,22 @@ static void place_of(const leafcast *v, double angle, double scale, double place
         }
 }
 
-static void open_coloured(coloured *c, int of, int by, bool placed, const leafcast_options *device,
+/* Let a place lead from [0, 10]^3 to the box of a volume instead. */
+static void place_into(const leafcast *v, double place[12]) {
+    const leafcast_info info = leafcast_describe(v);
+    for (int a = 0; a < 3; a++) {
+        const double length = (info.bounds[1][a] - info.bounds[0][a]) / 10.0;
+        for (int k = 0; k < 4; k++)
+            place[4 * a + k] *= length;
+        place[4 * a + 3] += info.bounds[0][a];
+    }
+}
+
+/* Where the two lie: as their files say; both at places; or only what colours, so that the other is
+ * drawn by kernels of tiles. */
+typedef enum where { AS_FILES_SAY, PLACED, TILED } where;
+
+static void open_coloured(coloured *c, int of, int by, where how, const leafcast_options *device,
                           uint32_t treelets) {
     const leafcast_options none = {.size = sizeof none};
     double range[2];
@@ -154,11 +169,14 @@ static void open_coloured(coloured *c, int of, int by, bool placed, const leafca
         memcpy(c->surfaces[i].rgb, (const float[3]){0.25f, 0.75f, 0.875f}, sizeof(float[3]));
     place_of(c->of, 0.2, 0.9, c->place[0]);
     place_of(c->by, -0.3, 0.95, c->place[1]);
-    c->colouring = (leafcast_colouring){.volume = c->by, .place = placed ? c->place[1] : NULL};
+    if (how == TILED)
+        place_into(c->of, c->place[1]);
+    c->colouring =
+        (leafcast_colouring){.volume = c->by, .place = how != AS_FILES_SAY ? c->place[1] : NULL};
     c->shown = (leafcast_shown){.volume = c->of,
                                 .surfaces = c->surfaces,
                                 .count = 1,
-                                .place = placed ? c->place[0] : NULL,
+                                .place = how == PLACED ? c->place[0] : NULL,
                                 .colours = &c->map,
                                 .colour_by = &c->colouring};
     c->scene = leafcast_scene_default();
@@ -166,7 +184,9 @@ static void open_coloured(coloured *c, int of, int by, bool placed, const leafca
     c->scene.volume_count = 1;
     c->scene.shading = LEAFCAST_SHADING_FLAT;
     c->camera = scene_stage_view(50.0);
-    if (placed) {
+    if (how == TILED)
+        c->camera = leafcast_standard_view(c->of, 1.2, PICTURE_WIDTH, PICTURE_HEIGHT);
+    if (how == PLACED) {
         const double eye[3] = {21.0, 15.0, 19.0}, at[3] = {5.1, 4.9, 5.0};
         memcpy(c->camera.eye, eye, sizeof eye);
         memcpy(c->camera.look_at, at, sizeof at);
@@ -251,13 +271,15 @@ static void test_kinds(void **state) {
             if (of == HOLES)
                 continue;
             snprintf(what, sizeof what, "%s by %s", NAMES[of], NAMES[by]);
-            open_coloured(&c, of, by, true, NULL, 0);
-            pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
-            const seen n = compare(&c, &p, NULL, what);
-            print_message("%s: %d pixels by value, %d plain\n", what, n.valued, n.plain);
-            assert_true(n.valued > PICTURE_PIXELS / 40);
-            plain += n.plain;
-            close_coloured(&c);
+            for (where how = PLACED; how <= TILED; how++) {
+                open_coloured(&c, of, by, how, NULL, 0);
+                pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
+                const seen n = compare(&c, &p, NULL, what);
+                print_message("%s: %d pixels by value, %d plain\n", what, n.valued, n.plain);
+                assert_true(n.valued > PICTURE_PIXELS / 40);
+                plain += n.plain;
+                close_coloured(&c);
+            }
         }
     assert_true(plain > PICTURE_PIXELS / 2);
 }
@@ -268,7 +290,7 @@ static void test_unplaced(void **state) {
     (void)state;
     for (int which = 0; which < 2; which++) {
         coloured c;
-        open_coloured(&c, which ? MESH : GRID, which ? GRID : MESH, false, NULL, 0);
+        open_coloured(&c, which ? MESH : GRID, which ? GRID : MESH, AS_FILES_SAY, NULL, 0);
         pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
         const seen n = compare(&c, &p, NULL, which ? "mesh by grid" : "grid by mesh");
         assert_true(n.valued > PICTURE_PIXELS / 40);
@@ -283,7 +305,7 @@ static void test_lit(void **state) {
     (void)state;
     for (int soft = 0; soft < 2; soft++) {
         coloured c;
-        open_coloured(&c, GRID, MESH, true, NULL, 0);
+        open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
         c.scene.shading = LEAFCAST_SHADING_DIFFUSE;
         c.scene.shadows = true;
         c.scene.light_count = 2;
@@ -320,7 +342,7 @@ static void test_layers(void **state) {
     coloured c;
     int most = 0;
     (void)state;
-    open_coloured(&c, GRID, MESH, true, NULL, 0);
+    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
     c.shown.count = 2;
     c.surfaces[0].opacity = 0.4f;
     c.surfaces[1].opacity = 0.6f;
@@ -348,26 +370,25 @@ static void test_layers(void **state) {
     close_coloured(&c);
 }
 
-/* A scene with all that a surface may ask, coloured. */
-static void ask_everything(coloured *c) {
+/* Ask for lights, shadows and glass; of soft looks also for mirrors. */
+static void ask(coloured *c, bool soft) {
     c->shown.count = 2;
     c->surfaces[0].opacity = 0.7f;
     c->surfaces[0].reflectivity = 0.5f;
     c->scene.shading = LEAFCAST_SHADING_PHONG;
     c->scene.shadows = true;
     c->scene.light_count = 1;
-    c->scene.lights[0] = (leafcast_light){false, {1, 0.4, 2}, {0.8f, 0.7f, 0.6f}, 4};
+    c->scene.lights[0] = (leafcast_light){false, {1, 0.4, 2}, {0.8f, 0.7f, 0.6f}, 4 * soft};
     c->scene.light_samples = 2;
-    c->scene.bounces = 2;
+    c->scene.bounces = 2 * soft;
 }
 
 /* Draw it anew, with a device of these options. Returns false if that has no room. */
-static bool draw_anew(int of, int by, const leafcast_options *o, uint32_t treelets, bool everything,
+static bool draw_anew(int of, int by, where how, const leafcast_options *o, uint32_t treelets,
                       picture *p, leafcast_stats *stats) {
     coloured c;
-    open_coloured(&c, of, by, true, o, treelets);
-    if (everything)
-        ask_everything(&c);
+    open_coloured(&c, of, by, how, o, treelets);
+    ask(&c, of == GRID && how == PLACED);
     const leafcast_image plane = {.size = sizeof plane,
                                   .r = p->rgba[0],
                                   .g = p->rgba[1],
@@ -384,27 +405,30 @@ static bool draw_anew(int of, int by, const leafcast_options *o, uint32_t treele
     return room;
 }
 
+/* Under any budget, by any threads, by single rays and by tiles. */
 static void test_same_bits(void **state) {
-    static const int pairs[][2] = {
-        {GRID, MESH}, {MESH, CURVED}, {CURVED, GRID}, {TRIANGLES, MIXED}};
+    static const int pairs[][3] = {{GRID, MESH, PLACED},      {MESH, CURVED, TILED},
+                                   {GRID, HOLES, TILED},      {CURVED, GRID, TILED},
+                                   {TRIANGLES, MIXED, TILED}, {HEIGHTS, GRID, TILED},
+                                   {MIXED, MESH, TILED}};
     static picture all, p;
     (void)state;
     for (size_t i = 0; i < (WATCHED ? 1 : sizeof pairs / sizeof *pairs); i++) {
         const int of = pairs[i][0], by = pairs[i][1];
+        const where how = (where)pairs[i][2];
         leafcast_stats stats = {.size = sizeof stats};
-        leafcast_options o = {.size = sizeof o, .threads = 1};
-        assert_true(draw_anew(of, by, &o, 0, of == GRID, &all, &stats));
+        leafcast_options o = {.size = sizeof o, .threads = 1, .isa = "scalar"};
+        assert_true(draw_anew(of, by, how, &o, 0, &all, &stats));
         for (int threads = 1; threads <= 3; threads += 2)
             for (uint32_t treelets = 0; treelets < 3; treelets++) {
                 o = (leafcast_options){.size = sizeof o, .threads = threads};
-                assert_true(draw_anew(of, by, &o, treelets, of == GRID, &p, &stats));
+                assert_true(draw_anew(of, by, how, &o, treelets, &p, &stats));
                 scene_stage_same(&all, &p);
-                assert_true(treelets != 1 || stats.passes > 1);
             }
-        o = (leafcast_options){.size = sizeof o, .threads = 2, .memory = 1 << 18};
-        while (!draw_anew(of, by, &o, 0, of == GRID, &p, &stats))
+        o = (leafcast_options){.size = sizeof o, .threads = 2, .memory = 1 << 20};
+        while (!draw_anew(of, by, how, &o, 0, &p, &stats))
             o.memory += o.memory / 16;
-        assert_true(o.memory > 1 << 18);
+        assert_true(o.memory > 1 << 20);
         assert_true(stats.bytes_peak <= o.memory);
         scene_stage_same(&all, &p);
     }
@@ -419,7 +443,7 @@ static void test_mirrored(void **state) {
     int mirrored = 0;
     (void)state;
     assert_true(field_make(&f, "linear", 20, FIELD_SEED));
-    open_coloured(&c, GRID, MESH, true, NULL, 0);
+    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
     const leafcast_options on = {.size = sizeof on, .device = c.device};
     leafcast *plane = fixture_open(fixture_leaf(&f, 4, 1, true), &on);
     leafcast_surface mirror = leafcast_surface_default(f.iso);
@@ -465,7 +489,7 @@ static void test_both_shown(void **state) {
     static picture p;
     coloured c;
     (void)state;
-    open_coloured(&c, GRID, MESH, true, NULL, 0);
+    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
     const leafcast_colouring back = {.volume = c.of, .place = c.place[0]};
     leafcast_shown shown[2] = {c.shown, c.shown};
     leafcast_surface other = leafcast_surface_default(scene_stage_mesh.isovalue);
@@ -508,7 +532,7 @@ static void test_medium(void **state) {
     const leafcast_medium medium = {thin, 2};
     coloured c;
     (void)state;
-    open_coloured(&c, GRID, CURVED, true, NULL, 1);
+    open_coloured(&c, GRID, CURVED, PLACED, NULL, 1);
     c.scene.media = &medium;
     c.scene.media_count = 1;
     pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
@@ -525,7 +549,7 @@ static void test_preview(void **state) {
     for (int by = HOLES; by <= MESH; by++) {
         coloured c;
         int provisional = 0;
-        open_coloured(&c, GRID, by, true, NULL, 1);
+        open_coloured(&c, GRID, by, PLACED, NULL, 1);
         leafcast_scene scene = c.scene;
         scene.preview = true;
         pictures_draw(c.of, &scene, &c.camera, &p, NULL);
@@ -552,7 +576,7 @@ static void refused(coloured *c, const char *said) {
 static void test_refused(void **state) {
     (void)state;
     coloured c;
-    open_coloured(&c, GRID, MESH, true, NULL, 0);
+    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
     c.shown.colours = NULL;
     refused(&c, "there are no colours");
     c.shown.colours = &c.map;
@@ -568,7 +592,7 @@ static void test_refused(void **state) {
     refused(&c, "on another device");
     leafcast_close(elsewhere);
     close_coloured(&c);
-    open_coloured(&c, GRID, MESH, true, NULL, 0);
+    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
     const leafcast_options on = {.size = sizeof on, .device = c.device};
     leafcast *given = fixture_open(paths[HEIGHTS], &on);
     c.colouring.volume = given;
