@@ -67,9 +67,9 @@ const struct argp_option view_options_table[] = {
      "medium, at values V",
      0},
     {"colour-by", COLOUR_BY, "FIELD|FILE[:FIELD]", 0,
-     "colour the surfaces by the values there of another field, or of another file's, in the "
-     "colours "
-     "of --colour-map, --tf and --window (viridis)",
+     "colour the surfaces by the values there of another field, or of another file, as a colour "
+     "map "
+     "has them (viridis)",
      0},
     {"layers", LAYERS, "N", 0, "stop each ray after N surfaces (0: no limit)", 0},
 
