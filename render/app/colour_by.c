@@ -55,6 +55,19 @@ static status open_other(colour_by *b, const view_options *v) {
     return st;
 }
 
+/* Terrain is made of its field: another one would be another terrain. Its cells lie in rows, those
+ * of other surfaces do not. */
+static status check_given(const colour_by *b, const view_options *v) {
+    uint32_t index[3];
+    if (leafcast_cell_indices(b->of, 0, 0, index) == 0)
+        return ST_OK;
+    return status_describe(
+        ST_USAGE,
+        "--colour-by %s: fields of terrain are elevations, by which it cannot be "
+        "coloured; a file of a volume can colour it",
+        v->colour_by);
+}
+
 static status open_any(colour_by *b, const view_options *v, uint32_t shown) {
     char why[STATUS_TEXT_MAX];
     uint32_t field;
@@ -70,7 +83,7 @@ static status open_any(colour_by *b, const view_options *v, uint32_t shown) {
     }
     b->field = field;
     if (leafcast_describe(b->of).abilities & LEAFCAST_ABILITY_GIVEN)
-        return ST_OK;
+        return check_given(b, v);
     if (field == shown)
         return status_describe(
             ST_USAGE,

@@ -68,6 +68,9 @@ done
 exits "heat" 0 "$leafcast" convert "$tmp/heat_0.vtk" "$tmp/heat_1.vtk" -q -o "$tmp/heat.leaf"
 exits "heat at once" 0 "$leafcast" convert "$tmp/heat_1.vtk" -q -o "$tmp/heat_1.leaf"
 exits "a step of both" 0 "$leafcast" convert "$tmp/both_1.vtk" --fields all -q -o "$tmp/both_1.leaf"
+exits "gradients" 0 "$leafcast" convert "$tmp/tets_0.vtk" --gradients -q -o "$tmp/smooth.leaf"
+printf 'ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 8\n7 8 9\n8 9 10\n9 8 7\n' >"$tmp/hill.asc"
+exits "terrain" 0 "$leafcast" convert "$tmp/hill.asc" -q -o "$tmp/hill.leaf"
 exits "triangles" 0 "$leafcast" convert "$tmp/sheet.ply" --fields all -q -o "$tmp/sheet.leaf"
 
 # ---- a field of the same file, or the same of another ----
@@ -100,11 +103,18 @@ view='--eye 50,40,34 --look-at 8,8,8'
         differ "$kind" "${kind}_plain"
         draw "${kind}_by_grid" "$tmp/$kind.leaf" --iso 6 --colour-by "$tmp/heat.leaf" $view
     done
+    draw faceted "$tmp/tets.leaf" --iso 6 --colour-by "$tmp/heat.leaf" --normals faceted $view
+    same faceted tets_by_grid
+    draw smooth "$tmp/smooth.leaf" --iso 6 --colour-by "$tmp/heat.leaf" --normals smooth $view
+    differ smooth faceted
     draw sheet "$tmp/sheet.leaf" --field load --colour-by age $view
     draw sheet_age "$tmp/sheet.leaf" --field age --colour-map viridis $view
     same sheet sheet_age
     draw sheet_heat "$tmp/sheet.leaf" --colour-by "$tmp/heat.leaf" $view
     differ sheet_heat sheet
+    draw hill "$tmp/hill.leaf" $view
+    draw hill_heat "$tmp/hill.leaf" --colour-by "$tmp/heat.leaf" $view
+    differ hill_heat hill
 
     # ---- steps ----
     draw later "$tmp/both.leaf" --step 1 --iso 6 --colour-by heat $view
@@ -181,6 +191,8 @@ done <<'X'
 2|input|--colour-by @heat.ppm -o @heat.ppm
 X
 ok "an input stays" cmp "$tmp/heat.leaf" "$tmp/heat.ppm"
+exits "terrain by its elevation" 2 "$leafcast" render "$tmp/hill.leaf" --colour-by 0 --size 8x8 -o "$tmp/x.ppm"
+ok "is told" says "fields of terrain are elevations"
 exits "a projection" 2 "$leafcast" render "$tmp/both.leaf" --project max --colour-by heat --size 8x8 -o "$tmp/x.ppm"
 ok "has no surface" says "--colour-by: there is no surface without --iso"
 exits "steps of others" 0 "$leafcast" convert "$tmp/heat_0.vtk" "$tmp/heat_1.vtk" --times 3,4 -q -o "$tmp/timed.leaf"
