@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "render/ray/affine.h"
+#include "tests/support/between_lab.h"
 #include "tests/support/curvilinear_file.h"
 #include "tests/support/fixture.h"
 #include "tests/support/heights_lab.h"
@@ -26,11 +27,22 @@
 
 /* ---- Files of all kinds ---- */
 
-enum { GRID, HOLES, MESH, CURVED, MIXED, COLOURING, TRIANGLES = COLOURING, HEIGHTS, FILES };
+enum {
+    GRID,
+    HOLES,
+    MESH,
+    CURVED,
+    MIXED,
+    COLOURING,
+    TRIANGLES = COLOURING,
+    HEIGHTS,
+    FILES,
+    SERIES = FILES
+};
 
 static const char *const NAMES[FILES] = {"grid",  "grid with holes", "mesh",   "curvilinear grid",
                                          "mixed", "triangles",       "heights"};
-static char paths[FILES][600];
+static char paths[FILES + 1][600];
 static const scene_stage *stage;
 
 static void keep(int which, const char *path) {
@@ -541,6 +553,42 @@ static void test_medium(void **state) {
     close_coloured(&c);
 }
 
+static void refused(coloured *c, const char *said) {
+    float r[4];
+    const leafcast_camera view = leafcast_standard_view(c->of, 2.0, 2, 2);
+    const leafcast_image image = {.size = sizeof image, .r = r};
+    assert_int_equal(leafcast_trace(c->of, &c->scene, &view, &image, NULL, NULL, NULL),
+                     LEAFCAST_USAGE);
+    if (!strstr(leafcast_error_text(), said))
+        fail_msg("\"%s\" lacks \"%s\"", leafcast_error_text(), said);
+}
+
+/* A step, and a time between two, of what colours. Beside another one of the same volume, it is
+ * refused. */
+static void test_steps(void **state) {
+    static picture p;
+    between_lab *lab = between_lab_make(&between_kinds[1]);
+    (void)state;
+    keep(SERIES, lab->series);
+    for (int i = 0; i < 2; i++) {
+        coloured c;
+        open_coloured(&c, MESH, SERIES, PLACED, NULL, 0);
+        c.colouring.step = 2;
+        c.colouring.between = 0.3 * i;
+        pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
+        assert_int_equal(leafcast_select_between(c.by, 0, 2, 0.3 * i), LEAFCAST_OK);
+        const seen n = compare(&c, &p, NULL, i ? "between" : "step");
+        assert_true(n.valued > PICTURE_PIXELS / 40);
+        const leafcast_shown shown[2] = {c.shown,
+                                         {.volume = c.by, .surfaces = c.surfaces, .count = 1}};
+        c.scene.volumes = shown;
+        c.scene.volume_count = 2;
+        refused(&c, "has one field and step");
+        close_coloured(&c);
+    }
+    between_lab_free(lab);
+}
+
 /* Previews do not wait for values: of cells they are there or not, of a grid perhaps coarser. What
  * is not provisional is exact. With one treelet at a time not all can be. */
 static void test_preview(void **state) {
@@ -548,10 +596,17 @@ static void test_preview(void **state) {
     (void)state;
     for (int by = HOLES; by <= MESH; by++) {
         coloured c;
-        int provisional = 0;
+        int provisional = 0, coarse = 0;
         open_coloured(&c, GRID, by, PLACED, NULL, 1);
         leafcast_scene scene = c.scene;
         scene.preview = true;
+        /* Until something coarser has come. */
+        for (int turn = 0; turn < 200 && coarse == 0 && by == HOLES; turn++) {
+            pictures_draw(c.of, &scene, &c.camera, &p, NULL);
+            for (int i = 0; i < PICTURE_PIXELS; i++)
+                coarse += p.provisional[i] && p.id[i] >= 0 && p.rgba[0][i] != c.surfaces[0].rgb[0];
+        }
+        assert_true(coarse > 0 || by != HOLES);
         pictures_draw(c.of, &scene, &c.camera, &p, NULL);
         pictures_draw(c.of, &c.scene, &c.camera, &exact, NULL);
         for (int i = 0; i < PICTURE_PIXELS; i++) {
@@ -561,16 +616,6 @@ static void test_preview(void **state) {
         assert_true(provisional > 20);
         close_coloured(&c);
     }
-}
-
-static void refused(coloured *c, const char *said) {
-    float r[4];
-    const leafcast_camera view = leafcast_standard_view(c->of, 2.0, 2, 2);
-    const leafcast_image image = {.size = sizeof image, .r = r};
-    assert_int_equal(leafcast_trace(c->of, &c->scene, &view, &image, NULL, NULL, NULL),
-                     LEAFCAST_USAGE);
-    if (!strstr(leafcast_error_text(), said))
-        fail_msg("\"%s\" lacks \"%s\"", leafcast_error_text(), said);
 }
 
 static void test_refused(void **state) {
@@ -607,6 +652,7 @@ int main(void) {
         cmocka_unit_test(test_lit),        cmocka_unit_test(test_layers),
         cmocka_unit_test(test_same_bits),  cmocka_unit_test(test_mirrored),
         cmocka_unit_test(test_both_shown), cmocka_unit_test(test_medium),
-        cmocka_unit_test(test_preview),    cmocka_unit_test(test_refused)};
+        cmocka_unit_test(test_steps),      cmocka_unit_test(test_preview),
+        cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, set_up, scene_stage_clear);
 }
