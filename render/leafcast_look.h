@@ -108,6 +108,16 @@ typedef enum leafcast_project {
                               more if data begin above it; image.z: where it is */
 } leafcast_project;
 
+/* A field that colours surfaces of a volume: of another volume on the same device, of any kind that
+ * has values at points. For another field of the same file, open it once more. */
+typedef struct leafcast_colouring {
+    leafcast *volume;
+    uint32_t field, step;
+    double between;      /* as in leafcast_shown, */
+    const double *place; /* and likewise: where that volume is in the scene's world, whatever the
+                            place of what it colours */
+} leafcast_colouring;
+
 /* An object of a scene: a volume, what is shown of it, and where. */
 typedef struct leafcast_shown {
     leafcast *volume;
@@ -129,6 +139,13 @@ typedef struct leafcast_shown {
      * the isovalue. NULL: by surfaces[].rgb, or of a volume with LEAFCAST_ABILITY_GIVEN, whose
      * field is named "rgb", by its own colours; between two steps by surfaces[].rgb. */
     const leafcast_medium *colours;
+    /* `colours` are of another field's value at each point of a surface instead: origin + t
+     * direction of the ray that has met it, where the value is leafcast_sample.value as
+     * leafcast_probe_point() finds it (at a coarse level of detail, at that level). Where that is
+     * NaN, surfaces have the colour of surfaces[].rgb. NULL: by the surface's own value. Ignored by
+     * projections, single rays and caps. LEAFCAST_USAGE: `colours` is NULL, or the other volume is
+     * a surface itself, or shown with another field or step. */
+    const leafcast_colouring *colour_by;
 } leafcast_shown;
 
 #define LEAFCAST_SCALE_MOST   1e30

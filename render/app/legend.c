@@ -68,7 +68,8 @@ static void draw_bar(const canvas *c, canvas_box b, const transfer_list *t,
 }
 
 void legend_draw(const leafcast_image *image, uint32_t width, uint32_t height,
-                 const transfer_list *t, const double window[2], text_face *face) {
+                 const transfer_list *t, const double window[2], const char *title,
+                 text_face *face) {
     static const float black[3] = {0.0f, 0.0f, 0.0f};
     const canvas c = {image, (long)width, (long)height};
     const long dot = 1 + c.height / 600, gap = 4 * dot;
@@ -83,8 +84,10 @@ void legend_draw(const leafcast_image *image, uint32_t width, uint32_t height,
         snprintf(text[i], TEXT_MAX, "%.4g", (1.0 - s) * window[0] + s * window[1]);
         letters = width_of(&h, text[i]) > letters ? width_of(&h, text[i]) : letters;
     }
-    const long across = wide + 3 * gap + letters;
-    const canvas_box frame = {c.width - across - gap, (c.height - tall) / 2 - 2 * gap,
+    const long named = face && *title ? width_of(&h, title) + 2 * gap : 0,
+               bare = wide + 3 * gap + letters, room = named < c.width - gap ? named : 0,
+               across = room > bare ? room : bare, head = room > 0 ? 2 * DOTS_Y * dot : 0;
+    const canvas_box frame = {c.width - across - gap, (c.height - tall) / 2 - 2 * gap - head,
                               c.width - gap, (c.height + tall) / 2 + 2 * gap};
     if (tall < 4 * DOTS_Y * dot || frame.x0 < 0 || frame.y0 < 0 || !image->r)
         return;
@@ -92,6 +95,8 @@ void legend_draw(const leafcast_image *image, uint32_t width, uint32_t height,
                             (c.height - tall) / 2 + tall};
     canvas_fill(&c, frame, black, 0.6f);
     draw_bar(&c, bar, t, window);
+    if (head > 0)
+        write_text(&c, &h, title, frame.x0 + gap, frame.y0 + gap + DOTS_Y * dot / 2);
     for (int i = 0; i < MARKS; i++)
         write_text(&c, &h, text[i], frame.x0 + gap, bar.y1 - i * tall / (MARKS - 1));
 }

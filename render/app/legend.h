@@ -9,8 +9,10 @@
 /* legend_draw() - draw at the right edge of a picture of width x height pixels, over its planes r,
  * g, b and a (NULL ones are skipped). The bar shows the colours, opaque, from window[0] at the
  * bottom to window[1]; numbers give the values at the ends and in the middle. face: the font of the
- * numbers; NULL: letters of dots. A picture that is too small is left unchanged. */
+ * numbers; NULL: letters of dots. title: what the values are, written above in that font; "", or
+ * too long for the picture: nothing. A picture that is too small is left unchanged. */
 void legend_draw(const leafcast_image *image, uint32_t width, uint32_t height,
-                 const transfer_list *t, const double window[2], text_face *face);
+                 const transfer_list *t, const double window[2], const char *title,
+                 text_face *face);
 
 #endif

@@ -12,19 +12,25 @@ void picture_scene_init(picture_scene *p, mem *m) {
 }
 
 void picture_scene_release(picture_scene *p) {
-    for (int i = 0; i < p->room; i++)
+    for (int i = 0; i < p->room; i++) {
         transfer_list_release(&p->transfer[i]);
+        colour_by_close(&p->by[i]);
+    }
     transfer_list_release(&p->caps);
     mem_free(p->m, p->shown);
     mem_free(p->m, p->transfer);
     mem_free(p->m, p->media);
     mem_free(p->m, p->colours);
     mem_free(p->m, p->measured);
+    mem_free(p->m, p->by);
+    mem_free(p->m, p->colourings);
     p->shown = NULL;
     p->transfer = NULL;
     p->media = NULL;
     p->colours = NULL;
     p->measured = NULL;
+    p->by = NULL;
+    p->colourings = NULL;
     p->room = 0;
 }
 
@@ -41,7 +47,10 @@ static status make_room(picture_scene *p, int count) {
     p->media = mem_array(p->m, (size_t)count, sizeof *p->media);
     p->colours = mem_array(p->m, (size_t)count, sizeof *p->colours);
     p->measured = mem_array(p->m, (size_t)count, sizeof *p->measured);
-    if (!p->shown || !p->transfer || !p->media || !p->colours || !p->measured)
+    p->by = mem_array(p->m, (size_t)count, sizeof *p->by);
+    p->colourings = mem_array(p->m, (size_t)count, sizeof *p->colourings);
+    if (!p->shown || !p->transfer || !p->media || !p->colours || !p->measured || !p->by ||
+        !p->colourings)
         return ST_NOMEM;
     p->room = count;
     for (int i = 0; i < count; i++)
@@ -88,26 +97,51 @@ status picture_scene_check_used(const leafcast *volume, const view_options *v) {
                            leafcast_describe(volume).name);
 }
 
+/* Find what colours surfaces of object i by another volume's values. first: the first object of the
+ * same flags, at another place. */
+static status find_colouring(picture_scene *p, const picture_volume *volumes, int i, int first) {
+    leafcast_shown *s = &p->shown[i];
+    if (!volumes[i].view->colour_by[0])
+        return ST_OK;
+    if (!p->opens)
+        return status_describe(ST_USAGE, "--colour-by is of leafcast render and probe");
+    const status st = colour_by_find(&p->by[first], volumes[i].view, s->volume, &s->field, s->step,
+                                     s->between, s->place, &p->colourings[i]);
+    if (st == ST_OK && p->colourings[i].volume)
+        s->colour_by = &p->colourings[i];
+    return st;
+}
+
+/* The flags of an object's colours: by --colour-by, these have a default. */
+static medium_options colours_of(const view_options *v) {
+    medium_options o = v->medium;
+    if (v->colour_by[0] && !o.tf[0] && !o.colour_map[0])
+        snprintf(o.colour_map, sizeof o.colour_map, "viridis");
+    return o;
+}
+
 /* Make the transfer function of one volume of the picture. */
 static status fill_volume(picture_scene *p, const picture_volume *volumes, int volume) {
     const leafcast_shown *shown = &p->shown[volume];
-    const medium_options *medium = &volumes[volume].view->medium;
+    const leafcast_colouring own = {shown->volume, shown->field, shown->step, 0.0, NULL},
+                             *of = shown->colour_by ? shown->colour_by : &own;
+    const medium_options medium = colours_of(volumes[volume].view);
     const bool projected = volumes[0].view->scene.project != LEAFCAST_PROJECT_NONE;
     transfer_list *t = &p->transfer[volume];
     status st = ST_OK;
-    if (!p->measured[volume].known || p->measured[volume].field != shown->field) {
+    if (!p->measured[volume].known || p->measured[volume].field != of->field) {
         p->measured[volume].known = true;
-        p->measured[volume].field = shown->field;
-        p->measured[volume].step = shown->step;
+        p->measured[volume].field = of->field;
+        p->measured[volume].step = of->step;
     }
     transfer_list_release(t);
-    const bool coloured = view_options_coloured(volumes[volume].view);
-    if (projected ? volume == 0 : medium_options_given(medium))
-        st = medium_options_make(medium, shown->volume, shown->field, p->measured[volume].step,
-                                 projected || coloured, t);
-    p->media[volume] = (leafcast_medium){t->points, coloured ? 0 : (int)t->count};
+    const bool by_value = view_options_coloured(volumes[volume].view);
+    if (projected ? volume == 0 : medium_options_given(&medium))
+        st = medium_options_make(&medium, of->volume, of->field, p->measured[volume].step,
+                                 projected || by_value, t);
+    p->media[volume] = (leafcast_medium){t->points, by_value ? 0 : (int)t->count};
     p->colours[volume] = (leafcast_medium){t->points, (int)t->count};
-    if (coloured)
+    if (by_value)
         p->shown[volume].colours = &p->colours[volume];
     return st;
 }
@@ -133,14 +167,15 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
     const bool filled = view_options_any_filled(first);
     *scene = view_options_scene(first, &p->experiments);
     status st = colour_caps(p, volumes, scene);
-    const bool coloured = count == 1 && view_options_coloured(first);
+    const bool by_value = count == 1 && view_options_coloured(first);
     always = always || volumes[0].place;
-    if (st != ST_OK || (count == 1 && !filled && !coloured && !always))
+    if (st != ST_OK || (count == 1 && !filled && !by_value && !always))
         return st;
     st = make_room(p, count);
-    for (int i = 0; i < count && st == ST_OK; i++) {
+    for (int i = 0, one = 0; i < count && st == ST_OK; i++) {
         const view_options *v = volumes[i].view;
         uint32_t field;
+        one = v == volumes[one].view ? one : i;
         st = view_options_field(v, volumes[i].volume, &field);
         p->shown[i] = (leafcast_shown){.volume = volumes[i].volume,
                                        .field = field,
@@ -149,6 +184,8 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
                                        .count = v->isos,
                                        .between = v->time.between,
                                        .place = volumes[i].place};
+        if (st == ST_OK)
+            st = find_colouring(p, volumes, i, one);
         if (st == ST_OK && (filled || view_options_coloured(v)))
             st = fill_volume(p, volumes, i);
     }
@@ -162,6 +199,14 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
 int picture_scene_filled(const picture_scene *p, const leafcast_scene *scene) {
     for (int i = 0; i < scene->media_count; i++)
         if (p->transfer[i].count > 0)
+            return i;
+    return -1;
+}
+
+/* Returns the first object whose surfaces are coloured by value; -1: none is. */
+static int coloured(const leafcast_scene *scene) {
+    for (int i = 0; i < scene->volume_count; i++)
+        if (scene->volumes[i].colours)
             return i;
     return -1;
 }
@@ -189,11 +234,13 @@ static void annotate(const picture_volume *first, const leafcast_camera *camera,
 void picture_scene_mark(const picture_scene *p, const picture_volume *volumes,
                         const leafcast_scene *scene, const leafcast_camera *camera,
                         const leafcast_image *image, text_face *face) {
-    const int i = picture_scene_filled(p, scene);
+    const int filled = picture_scene_filled(p, scene), i = filled >= 0 ? filled : coloured(scene);
     double window[2];
     if (volumes[0].view->legend && i >= 0) {
+        const leafcast_colouring *by = scene->volumes[i].colour_by;
+        const char *title = by ? leafcast_field_name(by->volume, by->field) : "";
         medium_options_window(&volumes[i].view->medium, &p->transfer[i], window);
-        legend_draw(image, camera->width, camera->height, &p->transfer[i], window, face);
+        legend_draw(image, camera->width, camera->height, &p->transfer[i], window, title, face);
     }
     if (annotate_wanted(&volumes[0].view->annotation))
         annotate(volumes, camera, image, face);

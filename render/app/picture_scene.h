@@ -6,6 +6,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
+#include "render/app/colour_by.h"
 #include "render/app/transfer_list.h"
 #include "render/app/view_options.h"
 
@@ -25,13 +26,16 @@ typedef struct picture_measured {
 
 typedef struct picture_scene {
     mem *m;
-    int room; /* elements of the arrays, one an object: */
+    bool opens; /* flags may name files to open; set it after picture_scene_init() */
+    int room;   /* elements of the arrays, one an object: */
     leafcast_shown *shown;
     transfer_list *transfer;  /* empty: no medium */
     leafcast_medium *media;   /* the same, for the scene */
     leafcast_medium *colours; /* of surfaces, by value */
     picture_measured *measured;
-    transfer_list caps; /* colours of caps; empty: the surfaces' own */
+    colour_by *by;                  /* of the first of a volume's places; */
+    leafcast_colouring *colourings; /* of all */
+    transfer_list caps;             /* colours of caps; empty: the surfaces' own */
     leafcast_medium cap_colours;
     leafcast_scene_experiments experiments;
 } picture_scene;

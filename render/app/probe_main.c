@@ -14,6 +14,7 @@
 #include "formats/base/shell_line.h"
 #include "formats/base/text.h"
 #include "render/app/cell_text.h"
+#include "render/app/colour_by.h"
 #include "render/app/picture_scene.h"
 #include "render/app/ray_profile.h"
 #include "render/app/render_job.h"
@@ -32,6 +33,8 @@ typedef struct probe_options {
     bool segments;
     leafcast_axes axes;
     const char *csv, *svg; /* file names; csv "-": standard output */
+    colour_by by;
+    leafcast_colouring colouring; /* volume NULL: there is none */
     mem m;
 } probe_options;
 
@@ -142,6 +145,17 @@ static status set_place(json_t *out, const probe_options *o, leafcast *volume, u
     return ST_OK;
 }
 
+/* Tell the value by which --colour-by colours a point. */
+static status set_colour_by(json_t *out, const probe_options *o, const double point[3]) {
+    leafcast_sample sample;
+    if (!o->colouring.volume)
+        return ST_OK;
+    const status st = render_status(leafcast_probe_point(o->colouring.volume, point, &sample));
+    if (st == ST_OK)
+        json_object_set_new(out, "colour_by_value", cli_json_real(sample.value));
+    return st;
+}
+
 static json_t *side_json(const probe_options *o, const leafcast_hit *h) {
     char flat[64];
     snprintf(flat, sizeof flat, "flat %s", o->cell);
@@ -160,7 +174,7 @@ static status set_hit(json_t *out, const probe_options *o, leafcast *volume,
     const status st = set_place(out, o, volume, h->level, h->cell, h->at);
     json_object_set_new(out, "gradient", cli_json_reals(h->gradient, 3));
     json_object_set_new(out, "normal", cli_json_reals(h->normal, 3));
-    return st;
+    return st == ST_OK ? set_colour_by(out, o, h->point) : st;
 }
 
 static json_t *segment_json(const probe_options *o, int i) {
@@ -181,10 +195,11 @@ static status set_point(json_t *out, const probe_options *o, leafcast *volume,
                         const leafcast_sample *s) {
     json_object_set_new(out, "point", cli_json_reals(o->where, 3));
     json_object_set_new(out, "inside", json_boolean(s->inside));
-    if (!s->inside)
-        return ST_OK;
+    status st = set_colour_by(out, o, o->where);
+    if (st != ST_OK || !s->inside)
+        return st;
     json_object_set_new(out, "value", cli_json_real(s->value));
-    const status st = set_place(out, o, volume, 0, s->cell, s->at);
+    st = set_place(out, o, volume, 0, s->cell, s->at);
     json_object_set_new(out, "gradient", cli_json_reals(s->gradient, 3));
     json_object_set_new(out, "treelet", json_integer(s->treelet));
     return st;
@@ -416,6 +431,12 @@ static status select_set(probe_options *o, leafcast *volume, json_t *answer) {
     status st = view_options_field(v, volume, &field);
     if (st == ST_OK)
         st = time_options_find(&v->time, volume, &v->step);
+    if (st == ST_OK && v->colour_by[0])
+        st = colour_by_find(&o->by, v, volume, &field, v->step, v->time.between, NULL,
+                            &o->colouring);
+    if (st == ST_OK && o->colouring.volume)
+        st = render_status(leafcast_select_between(o->colouring.volume, o->colouring.field,
+                                                   o->colouring.step, o->colouring.between));
     if (st == ST_OK)
         st = render_status(leafcast_select_between(volume, field, v->step, v->time.between));
     if (st == ST_OK)
@@ -451,6 +472,7 @@ static status run(probe_options *o, json_t *answer) {
         st = select_set(o, volume, answer);
     if (st == ST_OK)
         st = o->point ? probe_point(o, volume, answer) : probe_ray(o, volume, answer);
+    colour_by_close(&o->by);
     leafcast_close(volume);
     return st;
 }

@@ -88,6 +88,7 @@ static status list_objects(render_job *job) {
 status render_job_open(render_job *job, const char *path, const leafcast_options *options) {
     mem_init(&job->m, 0);
     picture_scene_init(&job->scene, &job->m);
+    job->scene.opens = true;
     job->source = path;
     status st = open_volumes(job, path, options);
     if (st == ST_OK)
@@ -159,10 +160,11 @@ static void note_others(const render_job *job, view_options *first) {
     const bool projected = first->scene.project != LEAFCAST_PROJECT_NONE;
     for (int i = 0; i < job->also_count; i++) {
         const view_options *v = &job->also[i].view;
-        const bool filled = !v->is_surface && medium_options_given(&v->medium);
+        const bool filled = view_options_medium(v);
         first->others_transparent |= view_options_transparent(v);
         first->others_surfaces |= v->isos > 0 || (!filled && !projected);
         first->others_filled |= filled;
+        first->others_coloured |= view_options_coloured(v);
         if (v->scene.bounces > first->scene.bounces)
             first->scene.bounces = v->scene.bounces;
     }
@@ -366,9 +368,11 @@ static const picture_volume *objects_of(const render_job *job, const view_option
 }
 
 /* Open the font when a picture first needs it. */
-static status open_face(render_job *job, const annotation *a) {
-    return annotate_wanted(a) && !job->face ? text_face_open(&job->m, job->font, &job->face)
-                                            : ST_OK;
+static status open_face(render_job *job, const view_options *v) {
+    const bool named = v->legend && v->colour_by[0];
+    return (named || annotate_wanted(&v->annotation)) && !job->face
+               ? text_face_open(&job->m, job->font, &job->face)
+               : ST_OK;
 }
 
 static status trace(render_job *job, const leafcast_scene *scene, const leafcast_camera *seen_by,
@@ -416,6 +420,8 @@ static void note_numbers(notes *n, const char *key, const double *x, int count) 
 static void note_medium(notes *n, const view_options *v) {
     const medium_options *m = &v->medium;
     double flat[2 * MEDIUM_OPACITIES_MAX];
+    if (v->colour_by[0])
+        note_text(n, "colour_by", v->colour_by);
     if (m->tf[0])
         note_text(n, "tf", m->tf);
     if (m->colour_map[0])
@@ -598,7 +604,7 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
     leafcast_scene scene;
     status st = picture_scene_describe(&job->scene, volumes, job->object_count, false, &scene);
     if (st == ST_OK)
-        st = open_face(job, &frame->view.annotation);
+        st = open_face(job, &frame->view);
     if (st == ST_OK && !progressive)
         st = open_picture(job, frame, false, to);
     if (st == ST_OK)

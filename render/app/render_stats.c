@@ -76,6 +76,8 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
         json_object_set_new(root, "output", json_string(output));
     json_object_set_new(root, "isovalues", isovalues(view));
     render_stats_set(root, s->volume, s->field, s->step, s->between);
+    if (view->colour_by[0])
+        json_object_set_new(root, "colour_by", json_string(view->colour_by));
     json_object_set_new(root, "size",
                         json_pack("[i,i]", (int)view->camera.width, (int)view->camera.height));
     json_object_set_new(root, "time_s",

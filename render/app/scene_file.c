@@ -216,6 +216,8 @@ static status read_object(reading *r, int i, json_t *value) {
     to->same = -1;
     view_options_init(&to->view);
     to->view.takes_media = true;
+    to->view.colour_by_from = r->path;
+    to->view.colour_by_links = r->follow_links;
     json_object_foreach(value, key, item) {
         if (st != ST_OK || cli_options_listed(OBJECT_KEYS, key))
             continue;
@@ -326,6 +328,9 @@ static void take_first(view_options *to, const view_options *of) {
     if (of->scene.bounces > to->scene.bounces)
         to->scene.bounces = of->scene.bounces;
     memcpy(to->field, of->field, sizeof to->field);
+    memcpy(to->colour_by, of->colour_by, sizeof to->colour_by);
+    to->colour_by_from = of->colour_by_from;
+    to->colour_by_links = of->colour_by_links;
     to->step = of->step;
     to->time = of->time;
     to->medium = of->medium;

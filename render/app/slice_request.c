@@ -133,5 +133,5 @@ void slice_request_draw(slice_request *r, const double *value, uint32_t width, u
     if (!r->legend)
         return;
     medium_options_window(&r->medium, &r->look.colours, window);
-    legend_draw(image, width, height, &r->look.colours, window, NULL);
+    legend_draw(image, width, height, &r->look.colours, window, "", NULL);
 }

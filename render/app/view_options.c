@@ -48,7 +48,8 @@ enum {
     INTERPOLATE,
     LIGHT_SAMPLES,
     OCCLUSION,
-    REFLECT
+    REFLECT,
+    COLOUR_BY
 };
 
 static const char SHADINGS[] = "diffuse|phong|flat",
@@ -64,6 +65,11 @@ const struct argp_option view_options_table[] = {
     {"opacity", OPACITY, "A", 0,
      "opacity of the isosurface given at the same position, above 0 to 1 (1); or V:A,V:A,...: of a "
      "medium, at values V",
+     0},
+    {"colour-by", COLOUR_BY, "FIELD|FILE[:FIELD]", 0,
+     "colour the surfaces by the values there of another field, or of another file, as a colour "
+     "map "
+     "has them (viridis)",
      0},
     {"layers", LAYERS, "N", 0, "stop each ray after N surfaces (0: no limit)", 0},
 
@@ -220,6 +226,13 @@ static status parse_field(const char *text, view_options *v) {
     return ST_OK;
 }
 
+static status parse_colour_by(const char *text, view_options *v) {
+    if (!*text || strlen(text) >= sizeof v->colour_by)
+        return status_describe(ST_USAGE, "--colour-by: \"%s\" is no name of a field or file", text);
+    memcpy(v->colour_by, text, strlen(text) + 1);
+    return ST_OK;
+}
+
 /* ---- flags that may be repeated ---- */
 
 static status room(const char *what, int count, int max) {
@@ -283,6 +296,7 @@ static status set_surface(view_options *v, int key, const char *text) {
     case COLOUR: return add_colour(v, text);
     case OPACITY: return add_opacity(v, text);
     case REFLECT: return add_reflect(v, text);
+    case COLOUR_BY: return parse_colour_by(text, v);
     case LAYERS: return cli_int(text, "--layers", 0, 1 << 20, &v->scene.layers_max);
     default: return ST_AGAIN;
     }
@@ -412,7 +426,7 @@ static status set_any(view_options *v, int key, const char *text) {
 
 bool view_options_of_one(int key) {
     return key == ISO || key == COLOUR || key == OPACITY || key == REFLECT || key == FIELD ||
-           key == STEP || key == TIME || key == INTERPOLATE ||
+           key == STEP || key == TIME || key == INTERPOLATE || key == COLOUR_BY ||
            (key >= MEDIUM_TF && key <= MEDIUM_OPACITY_LENGTH);
 }
 
@@ -448,6 +462,7 @@ void view_options_clear(view_options *v, int key) {
     case UP: v->up = false; break;
     case FOV: v->fov = false; break;
     case FIELD: v->field[0] = 0; break;
+    case COLOUR_BY: v->colour_by[0] = 0; break;
     case STEP: v->step = 0; break;
     case TIME: v->time.given = false; break;
     case INTERPOLATE: v->time.interpolate = false; break;
@@ -549,6 +564,14 @@ typedef struct flag_need {
     const char *why;
 } flag_need;
 
+static bool draws_surface(const view_options *v) {
+    return v->isos > 0 || v->unopened;
+}
+
+static bool has_colours(const view_options *v) {
+    return view_options_any_filled(v) || v->others_coloured || view_options_coloured(v);
+}
+
 static bool is_annotated(const view_options *v) {
     return v->annotation.parts != 0;
 }
@@ -568,8 +591,10 @@ static const flag_need NEEDS[] = {
      "--homogeneous: what --shade-medium shades is not taken whole"},
     {MEDIUM_SUMMING, view_options_any_medium,
      "--medium is of media: --tf, --colour-map or --opacity V:A"},
-    {MEDIUM_LEGEND, view_options_any_filled,
-     "--legend is of media and projections: --tf, --colour-map, --opacity V:A or --project"},
+    {MEDIUM_LEGEND, has_colours,
+     "--legend is of media, projections and colours by value: --tf, --colour-map, --opacity V:A, "
+     "--project or --colour-by"},
+    {COLOUR_BY, draws_surface, "--colour-by: there is no surface without --iso"},
     {MEDIUM_UNIT, is_annotated, "--unit is of --annotate"},
     {MEDIUM_CAPS, has_surfaces, "--caps: there is no surface without --iso"},
     {MEDIUM_CAPS, has_inside, "--caps: a surface itself has no inside"},
@@ -664,6 +689,9 @@ status view_options_check(view_options *v) {
     if (v->is_surface && (v->medium.opacities > 0 || v->medium.opacity_length > 0.0))
         return status_describe(ST_USAGE, "--opacity V:A and --opacity-length are of media: this is "
                                          "a surface, for which --opacity A is");
+    if (v->colour_by[0] && (v->medium.opacities > 0 || v->medium.opacity_length > 0.0))
+        return status_describe(ST_USAGE, "--colour-by colours surfaces, for which --opacity A is: "
+                                         "without --opacity V:A and --opacity-length");
     st = medium_options_check(&v->medium, v->scene.project != LEAFCAST_PROJECT_NONE ||
                                               view_options_coloured(v));
     if (st == ST_OK)

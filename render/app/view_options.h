@@ -33,6 +33,9 @@ typedef struct view_options {
     const leafcast_camera *hold; /* view to use instead of a new one; or NULL */
     double hold_diagonal;        /* of a box around what that view shows; 0: around the volume */
     char field[VIEW_FIELD_MAX];  /* "": the first field */
+    char colour_by[MEDIUM_NAME_MAX]; /* what colours surfaces (colour_by.h); "": nothing else */
+    const char *colour_by_from;      /* the scene file that names it, or NULL, */
+    bool colour_by_links;            /* and whether that may name files anywhere */
     uint32_t step;
     time_options time;       /* or a time: picture_scene_choose() finds its step */
     int painted;             /* surfaces of other volumes; default colours begin behind theirs */
@@ -42,7 +45,8 @@ typedef struct view_options {
     bool is_surface;
     bool iso_unused;                     /* it is, but an isovalue was given */
     bool unopened;                       /* it is not known yet whether it is of such a volume */
-    bool others_surfaces, others_filled; /* some other volume has isosurfaces, or a medium */
+    bool others_surfaces, others_filled; /* some other volume has isosurfaces, or a medium, */
+    bool others_coloured;                /* or colours by value */
     bool takes_media;                    /* the verb draws media; set it before flags are applied */
     medium_options medium;
     medium_options caps; /* colours of --caps; colour_map "": surfaces' own */
@@ -91,8 +95,10 @@ bool view_options_transparent(const view_options *v);
  * isosurfaces. */
 bool view_options_filled(const view_options *v);
 
-/* view_options_coloured() - returns whether flags of media colour a surface. */
+/* view_options_coloured() - returns whether flags of media colour a surface: a given one, or all of
+ * a volume with --colour-by. view_options_medium() - whether they are of a medium. */
 bool view_options_coloured(const view_options *v);
+bool view_options_medium(const view_options *v);
 
 /* view_options_any_filled() - the same for any volume of the picture. view_options_any_medium() -
  * returns whether any has a medium that is drawn, not a projection. */

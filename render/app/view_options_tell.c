@@ -9,12 +9,15 @@ bool view_options_transparent(const view_options *v) {
 }
 
 bool view_options_filled(const view_options *v) {
-    return v->scene.project != LEAFCAST_PROJECT_NONE ||
-           (!v->is_surface && medium_options_given(&v->medium));
+    return v->scene.project != LEAFCAST_PROJECT_NONE || view_options_medium(v);
 }
 
 bool view_options_coloured(const view_options *v) {
-    return v->is_surface && medium_options_given(&v->medium);
+    return v->colour_by[0] || (v->is_surface && medium_options_given(&v->medium));
+}
+
+bool view_options_medium(const view_options *v) {
+    return !v->is_surface && !v->colour_by[0] && medium_options_given(&v->medium);
 }
 
 bool view_options_any_filled(const view_options *v) {

@@ -153,6 +153,30 @@ static status medium_together(const void *of) {
 static const public_fields medium_table =
     PUBLIC_TABLE(leafcast_medium, medium_rows, .together = medium_together);
 
+#define PLACE_ROW(type_)                                                                         \
+    {                                                                                            \
+        PUBLIC_MEMBER(type_, place), .type = PUBLIC_POINTER, .values = 1, .how = PUBLIC_OR_NULL, \
+                                     .number = &(const public_field) {                           \
+            .type = PUBLIC_DOUBLE, .values = 12, .least = -LEAFCAST_PLACE_MOST,                  \
+            .most = LEAFCAST_PLACE_MOST                                                          \
+        }                                                                                        \
+    }
+
+static const public_field colouring_rows[] = {
+    PUBLIC_PLACE(leafcast_colouring, volume, 0),
+    PUBLIC_NUMBER(leafcast_colouring, field, 0, UINT32_MAX - 1, 0),
+    PUBLIC_NUMBER(leafcast_colouring, step, 0, UINT32_MAX - 1, 0),
+    PUBLIC_NUMBER(leafcast_colouring, between, 0, 1, PUBLIC_BELOW),
+    PLACE_ROW(leafcast_colouring),
+};
+
+static status colouring_together(const void *of) {
+    return placement_check(((const leafcast_colouring *)of)->place);
+}
+
+static const public_fields colouring_table =
+    PUBLIC_TABLE(leafcast_colouring, colouring_rows, .together = colouring_together);
+
 static const public_field shown_rows[] = {
     PUBLIC_PLACE(leafcast_shown, volume, 0),
     PUBLIC_NUMBER(leafcast_shown, field, 0, UINT32_MAX - 1, 0),
@@ -163,16 +187,16 @@ static const public_field shown_rows[] = {
     PUBLIC_NUMBER(leafcast_shown, between, 0, 1, PUBLIC_BELOW),
     {PUBLIC_MEMBER(leafcast_shown, colours), .type = PUBLIC_POINTER, .values = 1,
      .how = PUBLIC_OR_NULL, .element = &medium_table},
-    {PUBLIC_MEMBER(leafcast_shown, place), .type = PUBLIC_POINTER, .values = 1,
-     .how = PUBLIC_OR_NULL,
-     .number = &(const public_field){.type = PUBLIC_DOUBLE,
-                                     .values = 12,
-                                     .least = -LEAFCAST_PLACE_MOST,
-                                     .most = LEAFCAST_PLACE_MOST}},
+    PLACE_ROW(leafcast_shown),
+    {PUBLIC_MEMBER(leafcast_shown, colour_by), .type = PUBLIC_POINTER, .values = 1,
+     .how = PUBLIC_OR_NULL, .element = &colouring_table},
 };
 
 static status shown_together(const void *of) {
-    return placement_check(((const leafcast_shown *)of)->place);
+    const leafcast_shown *s = of;
+    if (s->colour_by && !(s->colours && s->colours->count > 0))
+        return status_describe(ST_USAGE, "leafcast_shown.colour_by: there are no colours");
+    return placement_check(s->place);
 }
 
 static const public_fields shown_table =
@@ -440,6 +464,7 @@ const public_fields *const *arguments_tables(int *count) {
                                                   &holding_table,
                                                   &light_table,
                                                   &medium_table,
+                                                  &colouring_table,
                                                   &shown_table,
                                                   &scene_table,
                                                   &camera_table,

@@ -49,7 +49,7 @@ static size_t frame_fixed_bytes(const turn *t, bool least) {
                    frame_bytes(f, records_wanted(f));
     if (t->scene.samples > 1)
         bytes += budget_image(&colours, frame_pixels(f));
-    for (int i = 0; i < t->volumes; i++) {
+    for (int i = 0; i < turn_all(t); i++) {
         const leafcast *v = t->drawn[i], *of = t->shown[i].volume;
         if (!turn_is_first(t, i))
             continue;
@@ -68,7 +68,7 @@ static size_t fixed_bytes(const turn *t, bool least) {
 /* Bytes of one treelet of each volume. */
 static size_t least_slots(const turn *t) {
     size_t bytes = 0;
-    for (int i = 0; i < t->volumes; i++)
+    for (int i = 0; i < turn_all(t); i++)
         bytes += turn_is_first(t, i) ? loader_slot_bytes(t->shown[i].volume->treelets) : 0;
     return bytes;
 }
@@ -138,11 +138,11 @@ static void share_treelets(turn *t, size_t bytes) {
     size_t spare = bytes - least_slots(t);
     double wanted = 0.0;
     int left = 0;
-    for (int i = 0; i < t->volumes; i++) {
+    for (int i = 0; i < turn_all(t); i++) {
         left += turn_is_first(t, i);
         wanted += turn_is_first(t, i) ? (double)wanted_bytes(t->shown[i].volume) : 0.0;
     }
-    for (int i = 0; i < t->volumes; i++) {
+    for (int i = 0; i < turn_all(t); i++) {
         leafcast *v = t->shown[i].volume;
         if (!turn_is_first(t, i))
             continue;
@@ -163,7 +163,7 @@ status budget_share(turn *t) {
     const uint32_t least = frame_records_min(f);
     size_t records = t->begun ? f->records_max : records_wanted(f);
     if (d->budget.limit == 0) {
-        for (int i = 0; i < t->volumes; i++)
+        for (int i = 0; i < turn_all(t); i++)
             if (turn_is_first(t, i))
                 budget_slots(t->shown[i].volume, SIZE_MAX);
     } else {

@@ -61,7 +61,7 @@ static void empty(leafcast_frame *fr) {
 static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *scene,
                        const leafcast_camera *from, const leafcast_image *image) {
     frame *f = &fr->t.f;
-    status st = turn_describe(&fr->t, v, scene);
+    status st = turn_describe(&fr->t, v, scene, true);
     if (st == ST_OK)
         st = camera_init(&f->camera, from);
     if (st != ST_OK)

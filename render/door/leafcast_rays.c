@@ -52,7 +52,7 @@ static leafcast_status trace(leafcast *v, const leafcast_scene *scene, ray_look 
     leafcast_scene waits = *scene;
     waits.preview = waits.allow_missing = false;
     device_lock(v->device);
-    st = turn_describe(t, v, &waits);
+    st = turn_describe(t, v, &waits, false);
     if (st == ST_OK)
         st = trace_rays(t, look);
     turn_end(t);

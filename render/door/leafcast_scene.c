@@ -14,8 +14,31 @@
 leafcast_shown scene_object(const leafcast *v, const leafcast_scene *scene, int i) {
     if (scene->volume_count > 0)
         return scene->volumes[i];
-    return (leafcast_shown){(leafcast *)(uintptr_t)v, v->field, v->step, v->surfaces,
-                            v->surface_count,         v->share, NULL,    NULL};
+    return (leafcast_shown){(leafcast *)(uintptr_t)v,
+                            v->field,
+                            v->step,
+                            v->surfaces,
+                            v->surface_count,
+                            v->share,
+                            NULL,
+                            NULL,
+                            NULL};
+}
+
+int scene_lookups(const leafcast_scene *scene) {
+    int count = 0;
+    for (int i = 0; i < scene->volume_count && scene->project == LEAFCAST_PROJECT_NONE; i++)
+        count += scene_is_coloured(&scene->volumes[i]);
+    return count;
+}
+
+leafcast_shown scene_lookup(const leafcast_shown *s) {
+    const leafcast_colouring *by = s->colour_by;
+    return (leafcast_shown){.volume = by->volume,
+                            .field = by->field,
+                            .step = by->step,
+                            .between = by->between,
+                            .place = by->place};
 }
 
 /* Check that volume i's world axes agree with those of *known, the first volume that tells of its
@@ -33,14 +56,18 @@ static status check_world(const leafcast_scene *scene, int i, int *known) {
                            *known + 1, world_axes_name(other), i + 1, world_axes_name(axes));
 }
 
+/* Whether two objects show a volume's same field at the same time. */
+static bool same_set(const leafcast_shown *a, const leafcast_shown *b) {
+    return a->field == b->field &&
+           (a->volume->live || (a->step == b->step && a->between == b->between));
+}
+
 /* Check that object i shows its volume as the first object of that volume does. */
 static status check_set(const leafcast_scene *scene, int i) {
     const leafcast_shown *s = &scene->volumes[i];
     const int first = s->volume->listed;
     const leafcast_shown *other = &scene->volumes[first];
-    const bool same_step =
-        s->volume->live || (s->step == other->step && s->between == other->between);
-    if (s->field == other->field && same_step)
+    if (same_set(s, other))
         return ST_OK;
     return status_describe(ST_USAGE,
                            "volumes %d and %d of the scene are the same, and show field %u at step "
@@ -71,15 +98,56 @@ static status check_shown(const leafcast *v, const leafcast_scene *scene, int i,
     return st == ST_OK && empty ? arguments_check_surfaces(s->surfaces, s->count) : st;
 }
 
+/* Check what colours object i. `listed` of a volume that only colours is volume_count + the first
+ * object that it colours. */
+static status check_colouring(const leafcast *v, const leafcast_scene *scene, int i) {
+    const leafcast_colouring *by = scene->volumes[i].colour_by;
+    if (!by)
+        return ST_OK;
+    if (by->volume->device != v->device)
+        return status_describe(ST_USAGE, "what colours volume %d of the scene is on another device",
+                               i + 1);
+    if (by->volume->kind->given)
+        return status_describe(ST_USAGE,
+                               "what colours volume %d of the scene, of %s, is a surface itself: "
+                               "it has no values at points",
+                               i + 1, by->volume->kind->name);
+    if (by->volume->listed < 0)
+        by->volume->listed = scene->volume_count + i;
+    const int count = scene->volume_count, first = by->volume->listed;
+    const leafcast_shown s = scene_lookup(&scene->volumes[i]),
+                         other = first < count ? scene->volumes[first]
+                                               : scene_lookup(&scene->volumes[first - count]);
+    const status st = between_steps_check(s.volume, s.field, s.step, s.between);
+    if (st != ST_OK || same_set(&s, &other))
+        return st;
+    return status_describe(ST_USAGE,
+                           "what colours volume %d of the scene, field %u at step %u, is %s volume "
+                           "%d with field %u at step %u, or a different time: at a time, a volume "
+                           "has one field and step; open it once more for another",
+                           i + 1, s.field, s.step, first < count ? "shown as" : "what colours",
+                           (first < count ? first : first - count) + 1, other.field, other.step);
+}
+
+/* Forget which objects list a volume, if it is one of the device. */
+static void unlist(const leafcast *v, leafcast *of) {
+    if (of->device == v->device)
+        of->listed = -1;
+}
+
 status scene_check(leafcast *v, const leafcast_scene *scene) {
     status st = ST_OK;
     int known = -1;
     v->listed = 0;
-    for (int i = 0; i < scene->volume_count; i++)
-        if (scene->volumes[i].volume->device == v->device)
-            scene->volumes[i].volume->listed = -1;
+    for (int i = 0; i < scene->volume_count; i++) {
+        unlist(v, scene->volumes[i].volume);
+        if (scene->volumes[i].colour_by)
+            unlist(v, scene->volumes[i].colour_by->volume);
+    }
     for (int i = 0; i < scene->volume_count && st == ST_OK; i++)
         st = check_shown(v, scene, i, &known);
+    for (int i = 0; i < scene->volume_count && st == ST_OK; i++)
+        st = check_colouring(v, scene, i);
     return st;
 }
 

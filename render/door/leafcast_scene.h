@@ -16,6 +16,14 @@ static inline int scene_objects(const leafcast_scene *scene) {
 }
 leafcast_shown scene_object(const leafcast *v, const leafcast_scene *scene, int i);
 
+/* scene_is_coloured() - whether another volume colours surfaces of an object. scene_lookups() - of
+ * how many objects of a picture. scene_lookup() - that volume, as an object without surfaces. */
+static inline bool scene_is_coloured(const leafcast_shown *s) {
+    return s->colour_by && s->count > 0;
+}
+int scene_lookups(const leafcast_scene *scene);
+leafcast_shown scene_lookup(const leafcast_shown *s);
+
 /* scene_check() - whether the objects of a scene that is passed with volume v can be shown
  * together. Sets `listed` of their volumes: the first object that shows it. The scene has passed
  * arguments_check_scene(). Needs the device's lock. */

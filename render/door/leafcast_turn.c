@@ -18,6 +18,7 @@ static int filled_media(const leafcast_scene *scene) {
 #define TURN_ARRAYS(X) \
     X(of)              \
     X(shown)           \
+    X(by)              \
     X(first)           \
     X(next)            \
     X(holds)           \
@@ -26,17 +27,18 @@ static int filled_media(const leafcast_scene *scene) {
     X(place)           \
     X(first_id) X(beside) X(drawn) X(tracers) X(coarse) X(coarse_tracers) X(level) X(reads_on)
 
-/* Make room for objects, outside of the budget, as the turn itself is. */
-static status make_room(turn *t, int objects) {
+/* Make room for objects and lookups, outside of the budget, as the turn itself is. */
+static status make_room(turn *t, int objects, int lookups) {
     mem outside;
     bool made = true;
     mem_init(&outside, 0);
-#define MAKE(array)                                                    \
-    t->array = mem_array(&outside, (size_t)objects, sizeof *t->array); \
+#define MAKE(array)                                                                \
+    t->array = mem_array(&outside, (size_t)(objects + lookups), sizeof *t->array); \
     made = made && t->array;
     TURN_ARRAYS(MAKE)
 #undef MAKE
     t->volumes = made ? objects : 0;
+    t->lookups = made ? lookups : 0;
     return made ? ST_OK : ST_NOMEM;
 }
 
@@ -56,7 +58,8 @@ static status choose_drawn(turn *t, int i) {
     leafcast *coarse = NULL;
     status st = ST_OK;
     if (turn_is_first(t, i)) {
-        st = coarse_preview_instead(s->volume, &t->scene, s, &coarse);
+        if (!turn_is_lookup(t, i))
+            st = coarse_preview_instead(s->volume, &t->scene, s, &coarse);
         t->drawn[i] = coarse ? coarse : s->volume;
     } else {
         t->drawn[i] = t->drawn[t->first[i]];
@@ -104,30 +107,47 @@ static status describe_object(turn *t, int i, int32_t *id) {
     return st == ST_OK ? choose_drawn(t, i) : st;
 }
 
-status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
+/* List all objects, and what colours them. */
+static void list_objects(turn *t, const leafcast *v, const leafcast_scene *scene) {
+    int count = t->volumes;
+    for (int i = 0; i < t->volumes; i++) {
+        t->shown[i] = scene_object(v, scene, i);
+        t->by[i] = -1;
+        if (t->lookups > 0 && scene_is_coloured(&t->shown[i])) {
+            t->by[i] = count;
+            t->shown[count++] = scene_lookup(&t->shown[i]);
+        }
+    }
+    for (int i = turn_all(t) - 1; i >= 0; i--)
+        t->shown[i].volume->listed = i;
+}
+
+status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene, bool coloured) {
     *t = (turn){.device = v->device, .scene = *scene};
     status st = scene_check(v, scene);
     if (st == ST_OK)
-        st = make_room(t, scene_objects(scene));
+        st = make_room(t, scene_objects(scene), coloured ? scene_lookups(scene) : 0);
     if (st == ST_OK && scene->experiments) {
         t->experiments = *scene->experiments;
         t->scene.experiments = &t->experiments;
     }
     t->scene.media_count = st == ST_OK ? filled_media(scene) : 0;
-    for (int i = 0; i < t->volumes; i++)
-        t->shown[i] = scene_object(v, scene, i);
-    for (int i = 0; i < t->volumes; i++)
+    list_objects(t, v, scene);
+    for (int i = 0; i < turn_all(t); i++)
         join_first(t, i, (int *)t->level); /* not in use yet */
     int32_t id = 0;
-    for (int i = 0; i < t->volumes && st == ST_OK; i++)
+    for (int i = 0; i < turn_all(t) && st == ST_OK; i++)
         st = describe_object(t, i, &id);
-    for (int i = 0; i < t->volumes; i++)
+    for (int i = 0; i < turn_all(t); i++)
         t->level[i] = 0;
+    for (int i = t->volumes; i < turn_all(t); i++)
+        t->beside[i] = interest_of_all();
     t->f.m = &v->device->budget;
     t->f.threads = v->device->threads;
     t->f.isa = v->device->isa;
     t->f.tracer = t->tracers;
     t->f.volumes = t->volumes;
+    t->f.lookups = t->lookups;
     t->f.stand_ins = t->coarse;
     return st;
 }
@@ -141,7 +161,7 @@ bool turn_any_instead(const turn *t) {
 
 bool turn_shows(const turn *t, const leafcast *v) {
     bool shown = false;
-    for (int i = 0; i < t->volumes; i++)
+    for (int i = 0; i < turn_all(t); i++)
         shown |= t->shown[i].volume == v;
     return shown;
 }
@@ -241,6 +261,18 @@ static void place_tracer(const turn *t, int i, tracer *tr) {
     tr->above = t->above;
 }
 
+/* Make the tracer of a lookup. Of one that no object shows, it does not matter how surfaces are
+ * shaded. */
+static status prepare_lookup(turn *t, int i) {
+    leafcast_scene scene = t->scene;
+    if (turn_is_lookup(t, t->first[i]))
+        scene.smooth_normals = scene.analytic_normals = false;
+    const status st =
+        volume_tracer_of_all(t->shown[i].volume, &scene, &t->f.camera, &t->tracers[i]);
+    place_tracer(t, i, &t->tracers[i]);
+    return st;
+}
+
 /* Make the tracer of object i, and that of its coarse grid. */
 static status prepare_object(turn *t, int i, const joint *j) {
     const leafcast_shown *s = &t->shown[i];
@@ -254,6 +286,8 @@ static status prepare_object(turn *t, int i, const joint *j) {
         return st;
     }
     leafcast_scene scene = t->scene;
+    if (turn_is_lookup(t, i))
+        return prepare_lookup(t, i);
     if (may_be_coarser(t, i) && !t->begun)
         choose_level(t, i);
     if (t->level[i] > 0) {
@@ -324,7 +358,7 @@ static status make_tree(turn *t) {
  * open. */
 static bool drop_coarse(turn *t) {
     bool any = false;
-    for (int i = 0; i < t->volumes; i++) {
+    for (int i = 0; i < turn_all(t); i++) {
         any |= t->shown[i].volume->coarse != NULL;
         t->coarse[i] = NULL;
         coarse_preview_end(t->shown[i].volume);
@@ -349,7 +383,7 @@ static void begin_loading(turn *t, int i) {
         atomic_store_explicit(&v->touched[k], 0, memory_order_relaxed);
     if (turn_is_instead(t, i))
         loader_rest(v->treelets);
-    else if (t->scene.sweep)
+    else if (t->scene.sweep && !turn_is_lookup(t, i))
         loader_sweep(v->treelets);
     else if (t->reads_on[i])
         sweep_for_previews(t, i, LOADER_PREVIEW_BYTES);
@@ -365,7 +399,7 @@ static status share_budget(turn *t) {
 
 static status prepare_all(turn *t) {
     status st = ST_OK;
-    for (int i = 0; i < t->volumes && st == ST_OK; i++)
+    for (int i = 0; i < turn_all(t) && st == ST_OK; i++)
         st = turn_is_first(t, i) ? prepare_volume(t, i) : ST_OK;
     return st == ST_OK ? make_tree(t) : st;
 }
@@ -382,7 +416,7 @@ status turn_prepare(turn *t) {
         st = share_budget(t);
     if (st != ST_OK)
         return st;
-    for (int i = 0; i < t->volumes; i++)
+    for (int i = 0; i < turn_all(t); i++)
         if (turn_is_first(t, i))
             begin_loading(t, i);
     st = device_scratch(t->device, budget_scratch(&t->f));
@@ -394,13 +428,13 @@ status turn_prepare(turn *t) {
 /* ---- The end of a turn ---- */
 
 status turn_check(const turn *t, bool done, status st) {
-    for (int i = 0; i < t->volumes; i++) {
+    for (int i = 0; i < turn_all(t); i++) {
         const leafcast *v = t->shown[i].volume;
         if (!turn_is_first(t, i))
             continue;
         if (st == ST_OK && (t->coarse[i] || turn_is_instead(t, i)))
             st = loader_failure(v->coarse->treelets);
-        if (st == ST_OK && done && t->scene.sweep && !t->scene.preview)
+        if (st == ST_OK && done && t->scene.sweep && !t->scene.preview && !turn_is_lookup(t, i))
             st = loader_settle(v->treelets);
         st = volume_check_file(v, st);
     }
@@ -420,7 +454,7 @@ static void read_other_times(const turn *t, int i) {
 }
 
 void turn_read_on(const turn *t) {
-    for (int i = 0; i < t->volumes; i++) {
+    for (int i = 0; i < turn_all(t); i++) {
         if (!turn_is_first(t, i))
             continue;
         const uint64_t read = loader_statistics(t->shown[i].volume->treelets).bytes_read;
@@ -473,7 +507,7 @@ void turn_stats(const turn *t, leafcast_stats *stats) {
     stats->bytes_peak = mem_peak(&t->device->budget);
     stats->threads = pool_threads(t->f.threads);
     stats->isa = first->device->isa_name;
-    for (int i = 0; i < t->volumes; i++) {
+    for (int i = 0; i < turn_all(t); i++) {
         if (!turn_is_first(t, i))
             continue;
         add_volume_stats(t->shown[i].volume, stats);
@@ -484,7 +518,7 @@ void turn_stats(const turn *t, leafcast_stats *stats) {
 
 void turn_end(turn *t) {
     t->device->frames_bytes -= t->reserved;
-    for (int i = 0; i < t->volumes && t->drawn[i]; i++) {
+    for (int i = 0; i < turn_all(t) && t->drawn[i]; i++) {
         t->drawn[i]->frames -= turn_is_instead(t, i);
         if (t->holds[i].of)
             loader_rest(t->shown[i].volume->treelets);

@@ -18,9 +18,11 @@ typedef struct turn {
     double above;         /* tracer.above of all tracers */
     leafcast_scene scene; /* its experiments and volumes are copied below: */
     leafcast_scene_experiments experiments;
-    int volumes;           /* objects; of each, in their order: */
+    int volumes;           /* objects, */
+    int lookups;           /* and volumes by which they are coloured, behind them: of each */
     leafcast **of;         /* its volume as the scene lists it, and in its place: */
     leafcast_shown *shown; /* without `place` */
+    int *by;               /* the lookup that colours the object; -1: none does */
     int *first;            /* the first object of the same volume, perhaps this one, */
     int *next;             /* and the next one; -1: there is none */
     live_hold *holds;      /* of live volumes, from first to last */
@@ -50,9 +52,18 @@ static inline bool turn_is_first(const turn *t, int i) {
 }
 bool turn_shows(const turn *t, const leafcast *v);
 
-/* turn_describe() - set *t up from a scene. The caller sets the look, integrator, camera, image and
- * size of t->f. Changes nothing in the volumes, except that it may open coarse grids. */
-CHECKED status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene);
+/* turn_all() - how many objects and lookups there are. turn_is_lookup() - whether i is a lookup. */
+static inline int turn_all(const turn *t) {
+    return t->volumes + t->lookups;
+}
+static inline bool turn_is_lookup(const turn *t, int i) {
+    return i >= t->volumes;
+}
+
+/* turn_describe() - set *t up from a scene. coloured: also what colours surfaces by other volumes.
+ * The caller sets the look, integrator, camera, image and size of t->f. Changes nothing in the
+ * volumes, except that it may open coarse grids. */
+CHECKED status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene, bool coloured);
 
 /* turn_is_instead() - returns whether volume i's coarse grid is drawn in its place.
  * turn_any_instead() - returns whether that is so for any volume. */

@@ -209,9 +209,10 @@ static status make_room(scene_look *l) {
     mem_init(&outside, 0);
     l->media = mem_array(&outside, objects, sizeof *l->media);
     l->colours = mem_array(&outside, objects, sizeof *l->colours);
+    l->lookups = mem_array(&outside, objects, sizeof *l->lookups);
     l->ranges = mem_array(&outside, objects, sizeof *l->ranges);
     l->steepness = mem_array(&outside, objects, sizeof *l->steepness);
-    return l->media && l->colours && l->ranges && l->steepness ? ST_OK : ST_NOMEM;
+    return l->media && l->colours && l->lookups && l->ranges && l->steepness ? ST_OK : ST_NOMEM;
 }
 
 static bool any_clear(const turn *t) {
@@ -234,6 +235,7 @@ status scene_look_choose(scene_look *l, turn *t) {
                        .surfaces = (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])t->surfaces,
                        .first_id = t->first_id,
                        .colours = l->colours,
+                       .lookups = t->lookups > 0 ? l->lookups : NULL,
                        .opaque = !clear,
                        .clear = clear,
                        .soft = is_soft(t),
@@ -241,6 +243,9 @@ status scene_look_choose(scene_look *l, turn *t) {
     for (int v = 0; v < t->volumes && st == ST_OK; v++)
         if (t->shown[v].colours)
             st = transfer_init(&l->colours[v], t->f.m, t->shown[v].colours);
+    for (int v = 0; v < t->volumes; v++)
+        if (t->by[v] >= 0)
+            l->lookups[v] = (surface_lookup){t->shown[t->by[v]].volume, (uint16_t)t->by[v]};
     if (st != ST_OK)
         return st;
     t->f.integrator = &surface_integrator;
@@ -264,6 +269,7 @@ void scene_look_release(scene_look *l, mem *m) {
     for (int i = 0; l->colours && i < l->turn->volumes; i++)
         transfer_release(&l->colours[i], m);
     mem_free(&outside, l->colours);
+    mem_free(&outside, l->lookups);
     mem_free(&outside, l->media);
     mem_free(&outside, l->ranges);
     mem_free(&outside, l->steepness);

@@ -23,6 +23,7 @@ typedef struct scene_look {
     void *stepped;                /* their look; else NULL */
     transfer *media;              /* one an object, as are: */
     transfer *colours;            /* of surfaces; without spans: by their own */
+    surface_lookup *lookups;      /* whose values these are of, if not the surfaces' */
     double (*ranges)[2], *steepness;
     medium_shade shade;   /* for scene.shade_media */
     transfer cap_colours; /* without spans: caps have surfaces' colours */

@@ -290,7 +290,7 @@ static status draw_items(void *ctx, size_t index, int worker) {
 /* Returns the failure of the first loader that has one, else ST_OK. */
 static status failure(const frame *f) {
     status st = ST_OK;
-    for (int v = 0; v < f->volumes && st == ST_OK; v++)
+    for (int v = 0; v < f->volumes + f->lookups && st == ST_OK; v++)
         if (f->tracer[v].twin == v)
             st = loader_failure(f->tracer[v].treelets);
     return st;

@@ -27,6 +27,7 @@ typedef struct frame {
     pool *threads;
     const tracer *tracer; /* one an object; here `volume` is an object's number */
     int volumes;
+    int lookups; /* more tracers, behind the objects': rays do not meet them, but ask for values */
     const object_tree *objects;     /* over the boxes of all; NULL: rays ask each */
     bool coarse;                    /* some tracer is `coarse` */
     const tracer *const *stand_ins; /* one a volume, of any kind: what is asked where its treelets

@@ -483,7 +483,7 @@ void frame_work_end(frame_work *w) {
 static uint32_t number_treelets(const frame *f, frame_work *w) {
     uint32_t treelets = 0;
     int count = 0;
-    for (int v = 0; v < f->volumes; v++) {
+    for (int v = 0; v < f->volumes + f->lookups; v++) {
         const tracer *tr = &f->tracer[v];
         if (w && tr->twin == v) {
             w->numbers[count].from = tr->treelets;
@@ -503,7 +503,7 @@ static uint32_t number_treelets(const frame *f, frame_work *w) {
 
 size_t frame_work_bytes(const frame *f, size_t tiles) {
     const uint32_t treelets = number_treelets(f, NULL);
-    const size_t objects = (size_t)f->volumes;
+    const size_t objects = (size_t)(f->volumes + f->lookups);
     return (objects > 1 ? objects * sizeof(frame_numbers) + 128 : 0) +
            treelets * (sizeof(work_bucket) + sizeof(uint32_t) + sizeof(loader_request)) +
            tiles * (sizeof(work_tile) + sizeof(uint32_t));
@@ -520,7 +520,7 @@ status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint
                       .resumable = none};
     pthread_mutex_init(&w->lock, NULL);
     sleepers_init(&w->sleepers);
-    const size_t objects = (size_t)f->volumes;
+    const size_t objects = (size_t)(f->volumes + f->lookups);
     w->numbers = objects > 1 ? mem_array(f->m, objects, sizeof *w->numbers) : &w->only;
     if (!w->numbers)
         return ST_NOMEM;

@@ -70,7 +70,8 @@ typedef struct work_hand {
     uint32_t tiles[WORK_HAND], tile_count;
 } work_hand;
 
-/* Element i is about loader i, and about object i: there are no more loaders than objects. */
+/* Element i is about loader i, and about object i, lookups included: there are no more loaders than
+ * objects. */
 typedef struct frame_numbers {
     loader *from;
     uint32_t first_of; /* of loader i: the number of its first treelet; */

@@ -1,5 +1,6 @@
 #include "render/surface/surface_integrator.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "render/ray/kind.h"
@@ -26,10 +27,27 @@ bool surface_opaque(const frame *f) {
     return true;
 }
 
+void surface_colour_by(const frame *f, uint16_t v, const hit *found, double value,
+                       surface_point *point) {
+    const surface_look *look = surface_look_of(f);
+    double rgb[3];
+    if (isnan(value)) {
+        memcpy(point->own, look->surfaces[v][found->iso].rgb, sizeof point->own);
+        return;
+    }
+    transfer_rgb(&look->colours[v], value, rgb);
+    for (int c = 0; c < 3; c++)
+        point->own[c] = (float)rgb[c];
+}
+
 void surface_colour(const frame *f, uint16_t v, const hit *found, const surface_point *point,
                     float rgb[3]) {
     const surface_look *look = surface_look_of(f);
     const tracer *tr = &f->tracer[v];
+    if (surface_lookup_of(f, v)) {
+        memcpy(rgb, point->own, sizeof(float[3]));
+        return;
+    }
     if (look->colours && look->colours[v].spans > 0) {
         double of[3];
         transfer_rgb(&look->colours[v],
@@ -76,12 +94,13 @@ static void surface_answer(const frame *f, ray_record *record, trace_result resu
     surface_ray_answer(f, &surface_pixel_of(record)->way, result);
 }
 
-/* A tile's kernel walks one volume, and may have but one colour for each surface. */
+/* A tile's kernel walks one volume, and may have but one colour for each surface, unless another
+ * volume's values colour it. */
 static tile_fn surface_tile(const frame *f) {
     const transfer *colours = surface_look_of(f)->colours;
     const bool coloured = f->tracer->coloured || (colours && colours->spans > 0);
     return f->projection && !surface_look_of(f)->soft &&
-                   (!coloured || f->tracer->kind->tiles->colours)
+                   (!coloured || surface_lookup_of(f, 0) || f->tracer->kind->tiles->colours)
                ? f->tracer->kernels->tile
                : NULL;
 }

@@ -6,6 +6,7 @@
 
 #include "render/frame/integrator.h"
 #include "render/look/transfer.h"
+#include "render/surface/surface_value.h"
 
 extern const integrator surface_integrator;
 
@@ -15,6 +16,8 @@ typedef struct surface_look {
     const leafcast_surface (*surfaces)[LEAFCAST_SURFACES_MAX]; /* by isovalue of the tracer */
     const int32_t *first_id; /* in image.id: the first surface's number */
     const transfer *colours; /* by the value at a surface; without spans: there are none */
+    const surface_lookup
+        *lookups; /* whose value that is, if not the surface's; NULL: none has any */
     /* More is asked than one ray to each light; kernels of tiles cannot. */
     bool soft;
     int bounces; /* mirrored rays, one after the other; 0: no surface reflects. Above 0: soft */
@@ -29,7 +32,17 @@ static inline const surface_look *surface_look_of(const frame *f) {
 /* surface_opaque() - whether no light comes through any surface. */
 bool surface_opaque(const frame *f);
 
-/* surface_colour() - the colour of a surface of volume v that was met. */
+/* surface_lookup_of() - by what surfaces of volume v are coloured; NULL: by themselves. */
+static inline const surface_lookup *surface_lookup_of(const frame *f, uint16_t v) {
+    const surface_lookup *lookups = surface_look_of(f)->lookups;
+    return lookups && lookups[v].volume ? &lookups[v] : NULL;
+}
+
+/* surface_colour() - the colour of a surface of volume v that was met. With a surface_lookup_of()
+ * it is point->own, where surface_colour_by() has put it: that of a value, or of the surface where
+ * the value is NaN. */
+void surface_colour_by(const frame *f, uint16_t v, const hit *found, double value,
+                       surface_point *point);
 void surface_colour(const frame *f, uint16_t v, const hit *found, const surface_point *point,
                     float rgb[3]);
 

@@ -247,23 +247,11 @@ static uint16_t mirrored_leg(const leafcast_scene *scene) {
     return (uint16_t)(scene->light_count + 2);
 }
 
-/* Ask for all that hides light from the current surface. Returns false when that is lit. */
-static bool ask_lights(const frame *f, surface_ray *p, ray_question *q, ray_counters *counters) {
-    const leafcast_scene *scene = surface_look_of(f)->scene;
-    const int last = scene->light_count + (scene->occlusion > 0.0);
-    if (p->head.leg > last)
-        return false;
-    const lit_surface s = current(f, p);
-    const shade_point shading = lit_shading(f, &s);
-    while (p->head.leg <= last) {
-        const light_source from = source_of(f, p, &s, &shading);
-        surface_more *more = surface_look_of(f)->soft ? more_of(f, p) : NULL;
-        if (ask_samples(f, p, &s, &shading, &from, more, q, counters))
-            return true;
-        add_light(p, &shading, &from, arriving(p, &from, more));
-        begin_leg(f, p, (uint16_t)(p->head.leg + 1));
-    }
-    return false;
+/* ---- Colours by another volume's values ---- */
+
+/* The leg of a surface whose colour is looked up, before it is lit. */
+static uint16_t colour_leg(const leafcast_scene *scene) {
+    return (uint16_t)(scene->light_count + 3);
 }
 
 static void begin_lighting(const frame *f, surface_ray *p) {
@@ -278,6 +266,57 @@ static void begin_lighting(const frame *f, surface_ray *p) {
         shade_light(&shading, shading.eye, white, 1.0f, p->rgb);
     }
     begin_leg(f, p, SURFACE_PRIMARY + 1);
+}
+
+/* Begin with the current surface: with its colour, if that is to be looked up. */
+static void begin_surface(const frame *f, surface_ray *p) {
+    if (!surface_lookup_of(f, p->search.found_volume)) {
+        begin_lighting(f, p);
+        return;
+    }
+    p->search.state.blocked = LEAF_NO_TREELET;
+    p->head.leg = colour_leg(surface_look_of(f)->scene);
+}
+
+/* Look up the current surface's colour, and begin the lighting. Returns false if *q waits for a
+ * treelet first. */
+static bool find_colour(const frame *f, surface_ray *p, ray_question *q) {
+    const lit_surface s = current(f, p);
+    const surface_lookup *by = surface_lookup_of(f, s.volume);
+    uint32_t *wanted = &p->search.state.blocked;
+    double value;
+    if (!surface_value_at(f, by, s.at, wanted, &p->provisional, &value)) {
+        p->head.volume = by->object;
+        *q = (ray_question){.tracer = &f->tracer[by->object], .missed = *wanted};
+        return false;
+    }
+    p->head.volume = 0;
+    surface_colour_by(f, s.volume, s.found, value, &p->search.point);
+    begin_lighting(f, p);
+    return true;
+}
+
+/* ---- Lighting ---- */
+
+/* Ask for all that hides light from the current surface. Returns false when that is lit. */
+static bool ask_lights(const frame *f, surface_ray *p, ray_question *q, ray_counters *counters) {
+    const leafcast_scene *scene = surface_look_of(f)->scene;
+    const int last = scene->light_count + (scene->occlusion > 0.0);
+    if (p->head.leg == colour_leg(scene) && !find_colour(f, p, q))
+        return true;
+    if (p->head.leg > last)
+        return false;
+    const lit_surface s = current(f, p);
+    const shade_point shading = lit_shading(f, &s);
+    while (p->head.leg <= last) {
+        const light_source from = source_of(f, p, &s, &shading);
+        surface_more *more = surface_look_of(f)->soft ? more_of(f, p) : NULL;
+        if (ask_samples(f, p, &s, &shading, &from, more, q, counters))
+            return true;
+        add_light(p, &shading, &from, arriving(p, &from, more));
+        begin_leg(f, p, (uint16_t)(p->head.leg + 1));
+    }
+    return false;
 }
 
 /* ---- Mirrored rays ---- */
@@ -374,7 +413,7 @@ static bool ask_mirrored(const frame *f, surface_ray *p, ray_question *q, bool *
             return true;
         p->provisional |= p->search.provisional;
         if (hit_exists(&p->search.found)) {
-            begin_lighting(f, p);
+            begin_surface(f, p);
             return false;
         }
         end_mirrored(f, p);
@@ -419,7 +458,7 @@ bool surface_ray_meet(const frame *f, surface_ray *p, ray_counters *counters) {
         write_first(f, p, counters);
     if (!hit_exists(&p->search.found))
         return false;
-    begin_lighting(f, p);
+    begin_surface(f, p);
     return true;
 }
 

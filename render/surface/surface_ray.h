@@ -11,7 +11,7 @@
 #include "render/surface/surface_search.h"
 
 /* Legs of a ray's way: from the eye, then towards each light, about the surface for ambient light,
- * and the mirrored ray. */
+ * the mirrored ray, and the value that colours the surface. */
 enum { SURFACE_PRIMARY = 0 };
 
 typedef struct surface_ray {
@@ -23,7 +23,9 @@ typedef struct surface_ray {
     uint8_t depth;         /* mirrored rays under way: the surface is the last one's */
     float visibility;      /* of that light, by that ray */
     float rgb[3];          /* shading of the current surface so far */
-    surface_search search; /* for the current surface, and for what hides it from a light */
+    surface_search search; /* for the current surface, and for what hides it from a light. While
+                              the value that colours it is looked up, search.state.blocked is the
+                              treelet that may hold it */
 } surface_ray;
 
 /* surface_ray_more() - bytes of frame.record_more that soft looks need, the last ones of a record.

@@ -31,6 +31,8 @@ typedef struct tile_pixels {
     /* With shadows: the share of each light that arrives, and the surfaces that it reaches. */
     float visibility[LEAFCAST_LIGHTS_MAX][TILE_RAYS];
     tile_row reaches[LEAFCAST_LIGHTS_MAX][TILE];
+    /* Pixels whose surfaces are coloured by values that are not there yet: left to single rays. */
+    tile_row unknown[TILE];
     lit_batch lit;
     uint16_t ray[RAY_BATCH]; /* ray of each surface in lit */
     /* Shadow rays so far; counted when the pixel is done. */
@@ -105,11 +107,43 @@ static bool has_colours(const tile_state *s) {
     return s->f->tracer->coloured || (by_value && by_value->spans > 0);
 }
 
-SIMD void colour_each(const tile_kind *kind, void *work, const tile_layer *l, unsigned i,
-                      unsigned hits, vf rgb[3]) {
+static uint32_t pixel_of(const tile_state *s, unsigned i) {
+    return (s->y0 + i / TILE) * s->f->width + s->x0 + i % TILE;
+}
+
+/* Set the colours of surfaces of the rays `which` from i on by another volume's values there, as
+ * surface_ray.h does. */
+static void colours_by(const tile_state *s, const surface_lookup *by, const tile_layer *l,
+                       unsigned i, unsigned which, tile_pixels *p, float rgb[][3]) {
+    for (unsigned left = which; left; left &= left - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(left), n = i + k;
+        const tile_surface *x = surface_of(l, n);
+        const hit h = {.t = x->t, .iso = x->iso};
+        surface_point point;
+        uint32_t wanted = LEAF_NO_TREELET;
+        bool provisional = false;
+        double at[3], value;
+        if (p->unknown[n / TILE] >> n % TILE & 1u)
+            continue;
+        lit_at(s->f, pixel_of(s, n), x->t, at);
+        if (!surface_value_at(s->f, by, at, &wanted, &provisional, &value) || provisional) {
+            p->unknown[n / TILE] |= (tile_row)1 << n % TILE;
+            continue;
+        }
+        surface_colour_by(s->f, 0, &h, value, &point);
+        memcpy(rgb[k], point.own, sizeof point.own);
+    }
+}
+
+SIMD void colour_each(const tile_state *s, const tile_kind *kind, void *work, const tile_layer *l,
+                      unsigned i, unsigned hits, tile_pixels *p, vf rgb[3]) {
+    const surface_lookup *by = surface_lookup_of(s->f, 0);
     float each[VF_N][3], of[VF_N];
     memset(each, 0, sizeof each);
-    kind->colours(work, l, i, hits, each);
+    if (by)
+        colours_by(s, by, l, i, hits, p, each);
+    else
+        kind->colours(work, l, i, hits, each);
     for (int c = 0; c < 3; c++) {
         for (unsigned k = 0; k < VF_N; k++)
             of[k] = each[k][c];
@@ -148,10 +182,6 @@ SIMD void lit_add(const leafcast_scene *scene, const vf to[3], const float light
     for (int c = 0; c < 3; c++)
         l->out[c] = f_select(mf_and(reaches, f_gt(r_v, zero)), l->out[c] + shine * f_set(light[c]),
                              l->out[c]);
-}
-
-static uint32_t pixel_of(const tile_state *s, unsigned i) {
-    return (s->y0 + i / TILE) * s->f->width + s->x0 + i % TILE;
 }
 
 /* Set to[] to the unit directions from surfaces to a light. */
@@ -195,8 +225,8 @@ SIMD void shade_surfaces(const tile_state *s, const tile_kind *kind, void *work,
     const vf one = f_set(1.0f);
     vf rgb[3];
     const vf opacity = looks_of(s, l, i, hits, rgb);
-    if (kind->colours && has_colours(s))
-        colour_each(kind, work, l, i, hits, rgb);
+    if (has_colours(s) && (kind->colours || surface_lookup_of(s->f, 0)))
+        colour_each(s, kind, work, l, i, hits, p, rgb);
     lit_pixels lit = lit_begin(s, i, normal, rgb);
     if (scene->light_count == 0)
         lit_add(scene, lit.eye, white, one, &lit);
@@ -358,6 +388,7 @@ static void pixels_begin(const tile_state *s, tile_pixels *p) {
         memset(p->rgba[c], 0, p->count * sizeof p->rgba[c][0]);
     for (int a = 0; a < 3; a++)
         memset(p->normal[a], 0, p->count * sizeof p->normal[a][0]);
+    memset(p->unknown, 0, sizeof p->unknown);
     memset(p->shadow_rays, 0, p->count * sizeof p->shadow_rays[0]);
     memset(p->ill_conditioned, 0, p->count * sizeof p->ill_conditioned[0]);
 }
@@ -472,9 +503,10 @@ static void count_done(const tile_state *s, const tile_pixels *p, unsigned from,
 static void write_tile(const tile_state *s, const tile_pixels *p) {
     tile_outcome *out = s->out;
     for (unsigned y = 0; y < TILE; y++) {
-        const unsigned done = s->asked[y] & ~(s->rays.single[y] | out->waits[y]);
+        const tile_row alone = s->rays.single[y] | (p->unknown[y] & s->asked[y]);
+        const unsigned done = s->asked[y] & ~(alone | out->waits[y]);
         const unsigned from = p->count == TILE_RAYS ? TILE * y : 0;
-        out->open[y] = s->rays.single[y];
+        out->open[y] = alone & ~out->waits[y];
         count_done(s, p, from, done);
         write_row(s, y, done, p, from);
     }

@@ -108,10 +108,12 @@ json document render d.leaf --iso 100 --time 0.5 --interpolate --size 16x16
 json document probe g.leaf --iso 120 --at 500,500
 json document probe g.leaf --ray -1,9,9,1,0,0 --segments
 json document probe g.leaf --iso 120 --point 3,3,3
+json document probe g.leaf --iso 120 --point 3,3,3 --colour-by b.leaf
 json document probe b.leaf --iso 0.3 --point 3,3,3 --step 1
 json document slice g.leaf -o s.ppm --force
 json document slice b.leaf --step 1 --line "2,2,2;6,6,2" --sweep 0,0,3
 json document render g.leaf --iso 120 --size 16x16 -o g.png
+json document render g.leaf --iso 120 --size 16x16 -o g.png --force --colour-by b.leaf
 json document render b.leaf --iso 0.3 --size 16x16 --step 1 --packets 4
 json lines render g.leaf --iso-list 100,120 --size 16x16
 json document resample b_0000.mesh -o b.nrrd

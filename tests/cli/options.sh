@@ -147,6 +147,7 @@ render|--isopolygons|shown view|
 render|--traversal|stats|@m.leaf --project mean|--traversal tree
 render|--iso|picture|@grid|--iso 150 --opacity 0.4
 render|--colour|picture|@grid|--colour red
+render|--colour-by|picture|@grid|--colour-by @m.leaf
 render|--opacity|picture|@grid|--opacity 0.4
 render|--tf|picture|@g.leaf --colour-map grey|--tf ct
 render|--colour-map|picture|@g.leaf --tf auto|--colour-map plasma
@@ -239,6 +240,7 @@ bench|--ray-cells|counts|intersectors noise --runs 1 --ray-cells 90|--ray-cells 
 bench|--runs|refused needs one|kernel @grid --size 8x8|--runs 2
 bench|--iso|counts|walk @grid --size 16x16 --runs 1 --opacity 0.5|--iso 150
 bench|--colour|refused --colour: bench walk would not change|walk @grid --size 16x16 --runs 1|--colour red
+bench|--colour-by|refused --colour-by: bench walk|walk @grid --size 16x16 --runs 1|--colour-by @m.leaf
 bench|--opacity|counts|walk @grid --size 16x16 --runs 1|--opacity 0.4
 bench|--layers|refused --layers: bench frames|frames @grid --size 8x8 --runs 1|--layers 1
 bench|--view|counts|walk @grid --size 16x16 --runs 1|--view close
@@ -303,6 +305,7 @@ bench peers|--fov|refused --fov|@grid --size 8x8 --runs 1|--fov 0
 bench peers|--ortho|refused --ortho|@grid --size 8x8 --runs 1|--ortho 40
 bench peers|--ambient|refused --ambient|@grid --size 8x8 --runs 1|--ambient 2
 bench peers|--samples|refused one ray a pixel|@grid --size 8x8 --runs 1|--samples 4
+bench peers|--colour-by|refused --colour-by: bench peers would not change|@grid --size 8x8 --runs 1|--colour-by @m.leaf
 bench peers|--layers|counts|@grid --size 8x8 --runs 1 --opacity 0.5|--layers 1
 bench peers|--specular|refused --specular: bench peers would not change|@grid --size 8x8 --runs 1|--specular 0.5
 bench peers|--shininess|refused --shininess: bench peers would not change|@grid --size 8x8 --runs 1|--shininess 4
@@ -357,6 +360,7 @@ probe|--clip-box|says|@grid --size 16x16 --at 8,8|--clip-box 0,0,0,20,36,44
 probe|--samples|refused one ray|@grid --size 16x16 --at 8,8|--samples 4
 probe|--colour|taken|@grid --size 16x16 --at 8,8|--colour red
 probe|--opacity|taken|@grid --size 16x16 --at 8,8|--opacity 0.4
+probe|--colour-by|says|@grid --size 16x16 --at 8,8|--colour-by @m.leaf
 probe|--layers|taken|@grid --size 16x16 --at 8,8|--opacity 0.4 --layers 1
 probe|--ambient|taken|@grid --size 16x16 --at 8,8|--ambient 0.4
 probe|--background|taken|@grid --size 16x16 --at 8,8|--background red

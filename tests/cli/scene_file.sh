@@ -167,7 +167,7 @@ for p in "object", "picture":
 # A scene that each key takes; None: it needs other keys, or another file, and is drawn elsewhere in this test or said
 # why not.
 full = {
-    "object": {"file": "grid.leaf", "iso": [0.2, 0.4], "colour": ["red"], "opacity": [0.5],
+    "object": {"file": "grid.leaf", "iso": [0.2, 0.4], "colour": ["red"], "opacity": [0.5], "colour-by": "tets.leaf",
                "tf": "auto", "colour-map": "viridis", "window": [0, 1], "opacity-length": 3.0,
                "field": "0", "reflect": "0.5,2", "step": 0, "time": 0, "interpolate": None, "transform": {"scale": 2},
                "instances": [{"scale": 1}], "surfaces": None},

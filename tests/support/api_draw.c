@@ -160,6 +160,28 @@ static void draw_clips(field_random *r, const leafcast *v, leafcast_scene *scene
     }
 }
 
+/* Colours of the i-th object, of its own or another volume's values. */
+static void draw_colours(field_random *r, leafcast *const volumes[], int count, int i,
+                         api_scene *s) {
+    leafcast *const by = volumes[below(r, count)];
+    const leafcast_info info = leafcast_describe(by);
+    draw_medium(r, &info, &s->shown_colours[i], s->points[API_ROOM + 1 + i]);
+    s->shown[i].colours = &s->shown_colours[i];
+    if (api_chance(r, 2))
+        return;
+    s->by[i] = (leafcast_colouring){.volume = by,
+                                    .field = (uint32_t)below(r, info.fields),
+                                    .step = (uint32_t)below(r, info.steps)};
+    for (int k = 0; k < i; k++) /* mostly as it is listed */
+        if (s->shown[k].volume == by) {
+            s->by[i].field = s->shown[k].field;
+            s->by[i].step = s->shown[k].step;
+            s->by[i].between = s->shown[k].between;
+        }
+    spoil(r, 100, "leafcast_colouring", &s->by[i]);
+    s->shown[i].colour_by = &s->by[i];
+}
+
 static void draw_volumes(field_random *r, leafcast *const volumes[], int count, api_scene *s) {
     const int listed = api_chance(r, 2) ? 0 : 1 + below(r, count);
     for (int i = 0; i < listed; i++) {
@@ -173,6 +195,8 @@ static void draw_volumes(field_random *r, leafcast *const volumes[], int count, 
                              ? field_random_unit(r)
                              : 0.0;
         api_draw_surfaces(r, volumes[i], s->surfaces[i], &shown->count);
+        if (api_chance(r, 3))
+            draw_colours(r, volumes, count, i, s);
         spoil(r, 100, "leafcast_shown", shown);
     }
     s->scene.volumes = s->shown;

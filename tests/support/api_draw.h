@@ -21,8 +21,9 @@ typedef struct api_scene {
     leafcast_scene scene;
     leafcast_shown shown[API_ROOM];
     leafcast_surface surfaces[API_ROOM][LEAFCAST_SURFACES_MAX];
-    leafcast_medium media[API_ROOM], colours;
-    leafcast_transfer_point points[API_ROOM + 1][API_POINTS];
+    leafcast_medium media[API_ROOM], colours, shown_colours[API_ROOM];
+    leafcast_colouring by[API_ROOM];
+    leafcast_transfer_point points[2 * API_ROOM + 1][API_POINTS];
     leafcast_scene_experiments experiments;
 } api_scene;
 

@@ -353,10 +353,16 @@ static leafcast_scene scene_of(leafcast *volume) {
     static leafcast_surface surfaces[CALLS_SOME];
     static leafcast_transfer_point points[] = {{0.0, {1, 0, 0}, 0.0}, {1.0, {0, 1, 0}, 1.0}};
     static leafcast_medium media[1], colours;
+    static leafcast_colouring by;
     static leafcast_scene_experiments experiments;
     for (int i = 0; i < CALLS_SOME; i++)
         surfaces[i] = leafcast_surface_default(sphere.iso * (1.0 + 0.1 * i));
-    shown[0] = (leafcast_shown){.volume = volume, .surfaces = surfaces, .count = CALLS_SOME};
+    by = (leafcast_colouring){.volume = volume};
+    shown[0] = (leafcast_shown){.volume = volume,
+                                .surfaces = surfaces,
+                                .count = CALLS_SOME,
+                                .colours = &colours,
+                                .colour_by = &by};
     media[0] = colours = (leafcast_medium){points, 2};
     experiments = (leafcast_scene_experiments){.size = sizeof experiments};
     leafcast_scene scene = leafcast_scene_default();

@@ -200,7 +200,7 @@ static void test_bar(void **state) {
     (void)state;
     const leafcast_image image = {.r = planes[0], .g = planes[1], .b = planes[2], .a = planes[3]};
     clear_planes();
-    legend_draw(&image, WIDE, HIGH, &BAR, (const double[2]){-2.0, 6.0}, NULL);
+    legend_draw(&image, WIDE, HIGH, &BAR, (const double[2]){-2.0, 6.0}, "", NULL);
     int x = WIDE - 1, rows = 0;
     while (x > 0 &&
            !(planes[1][HIGH / 2 * WIDE + x] == 0.5f && planes[3][HIGH / 2 * WIDE + x] == 1.0f))
@@ -236,11 +236,11 @@ static void test_no_room(void **state) {
     clear_planes();
     memcpy(before, planes, sizeof planes);
     for (uint32_t w = 1; w < 30; w++)
-        legend_draw(&image, w, 30, &BAR, (const double[2]){-2.0, 6.0}, NULL);
-    legend_draw(&image, WIDE, 20, &BAR, (const double[2]){-2.0, 6.0}, NULL);
-    legend_draw(&(leafcast_image){0}, WIDE, HIGH, &BAR, (const double[2]){-2.0, 6.0}, NULL);
+        legend_draw(&image, w, 30, &BAR, (const double[2]){-2.0, 6.0}, "", NULL);
+    legend_draw(&image, WIDE, 20, &BAR, (const double[2]){-2.0, 6.0}, "", NULL);
+    legend_draw(&(leafcast_image){0}, WIDE, HIGH, &BAR, (const double[2]){-2.0, 6.0}, "", NULL);
     assert_memory_equal(before, planes, sizeof planes);
-    legend_draw(&opaque, WIDE, HIGH, &BAR, (const double[2]){-2.0, 6.0}, NULL);
+    legend_draw(&opaque, WIDE, HIGH, &BAR, (const double[2]){-2.0, 6.0}, "", NULL);
     assert_memory_equal(before[3], planes[3], sizeof planes[3]);
     assert_memory_not_equal(before[0], planes[0], sizeof planes[0]);
 }

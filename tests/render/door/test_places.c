@@ -293,7 +293,7 @@ static void an_instance_is_the_mesh_converted_there(void **state) {
     leafcast_camera view = scene_stage_view(110);
     memcpy(view.look_at, (double[3]){29, 19, 43}, sizeof view.look_at);
     leafcast *v = fixture_open(path, NULL);
-    leafcast_shown shown = {v, 0, 0, &scene_stage_mesh, 1, 0.0, NULL, NULL};
+    leafcast_shown shown = {v, 0, 0, &scene_stage_mesh, 1, 0.0, NULL, NULL, NULL};
     scene_pair pair;
     scene_stage_open(&pair, s, NULL, 0);
     leafcast_scene scene = scene_stage_lit(&pair);
@@ -361,7 +361,7 @@ static void thousands_are_few_questions_a_ray(void **state) {
     int met_any = 0;
     for (int i = 0; i < PICTURE_PIXELS; i += 97) {
         double o[3], d[3];
-        leafcast_shown alone = {v, 0, 0, &surface, 1, 0.0, NULL, NULL};
+        leafcast_shown alone = {v, 0, 0, &surface, 1, 0.0, NULL, NULL, NULL};
         leafcast_scene one = scene;
         one.volumes = &alone;
         one.volume_count = 1;
@@ -427,6 +427,7 @@ static void at_one_t_the_first_listed_comes_first(void **state) {
                                             1,
                                             0.0,
                                             i == first ? about : i == 1 - first ? NULL : away,
+                                            NULL,
                                             NULL};
             scene.volume_count = count;
             assert_int_equal(leafcast_trace_rays(pair.volume[0], &scene, &ray, 1, &hit),

@@ -622,7 +622,7 @@ static void *paint(void *ctx) {
     while (!atomic_load(&r->ends) && right) {
         const leafcast_surface surface = leafcast_surface_default(ISO);
         const uint32_t last = leafcast_describe(r->v).steps - 1;
-        const leafcast_shown shown = {r->v, 1, last, &surface, 1, 0.0, NULL, NULL};
+        const leafcast_shown shown = {r->v, 1, last, &surface, 1, 0.0, NULL, NULL, NULL};
         leafcast_scene scene = r->s->scene;
         scene.volumes = &shown;
         scene.volume_count = 1;

@@ -117,8 +117,9 @@ static uint64_t least_budget(const scene_stage *s, const leafcast_camera *c) {
         const leafcast_options on = {.size = sizeof on, .device = d};
         bool fits = !leafcast_open(s->grid_path, &on, &a) && !leafcast_open(s->mesh_path, &on, &b);
         if (fits) {
-            const leafcast_shown shown[2] = {{a, 0, 0, scene_stage_grid, 2, 0.0, NULL, NULL},
-                                             {b, 0, 0, &scene_stage_mesh, 1, 0.0, NULL, NULL}};
+            const leafcast_shown shown[2] = {
+                {a, 0, 0, scene_stage_grid, 2, 0.0, NULL, NULL, NULL},
+                {b, 0, 0, &scene_stage_mesh, 1, 0.0, NULL, NULL, NULL}};
             v.scene = leafcast_scene_default();
             v.scene.volumes = shown;
             v.scene.volume_count = 2;
@@ -247,7 +248,7 @@ static void slice(const scene_stage *s, uint64_t memory) {
     scene_stage_open(&v, s, &o, memory ? 0 : 2);
     leafcast_scene scene[2] = {scene_stage_lit(&v), v.scene};
     leafcast_surface later = scene_stage_grid[1];
-    leafcast_shown shown[1] = {{v.volume[0], 0, 0, &later, 1, 0.0, NULL, NULL}};
+    leafcast_shown shown[1] = {{v.volume[0], 0, 0, &later, 1, 0.0, NULL, NULL, NULL}};
     scene[1].volumes = shown;
     scene[1].volume_count = 1;
     scene[1].samples = 4;

@@ -58,7 +58,7 @@ static void *draw_as_guest(void *arg) {
     leafcast_scene scene = leafcast_scene_default();
     if (!v && leafcast_open(g->s->grid_path, &o, &v))
         return NULL;
-    const leafcast_shown shown = {v, 0, 0, &surface, 1, 0.0, NULL, NULL};
+    const leafcast_shown shown = {v, 0, 0, &surface, 1, 0.0, NULL, NULL, NULL};
     scene.volumes = &shown;
     scene.volume_count = 1;
     for (int i = 0; i < PICTURES; i++)

@@ -1,0 +1,138 @@
+#include "render/app/colour_by.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/base/num.h"
+#include "formats/input/named_file.h"
+#include "render/ray/open_volume.h"
+
+void colour_by_close(colour_by *b) {
+    leafcast_close(b->volume);
+    *b = (colour_by){.of = NULL};
+}
+
+/* ---- Opening ---- */
+
+static status open_on(colour_by *b, const char *path) {
+    const leafcast_options on = {.size = sizeof on,
+                                 .device = b->of->device,
+                                 .backend = b->of->options.backend,
+                                 .axes = leafcast_describe(b->of).axes};
+    return (status)leafcast_open(path, &on, &b->volume);
+}
+
+/* Open the file of a name, if there is one: *there. A scene file's names lead where it lies. */
+static status open_named(colour_by *b, const view_options *v, const char *name, bool *there) {
+    mem m;
+    char *path = NULL;
+    mem_init(&m, 0);
+    status st = named_file_find(&m, v->colour_by_from ? v->colour_by_from : "-", name,
+                                v->colour_by_from ? v->colour_by_links : true, &path);
+    *there = st == ST_OK && access(path, F_OK) == 0;
+    if (*there)
+        st = open_on(b, path);
+    mem_free(&m, path);
+    return st;
+}
+
+/* Open FILE or FILE:FIELD. */
+static status open_other(colour_by *b, const view_options *v) {
+    char name[MEDIUM_NAME_MAX];
+    bool there = false;
+    status st = open_named(b, v, v->colour_by, &there);
+    if (there || st != ST_OK)
+        return st;
+    snprintf(name, sizeof name, "%s", v->colour_by);
+    char *field = strrchr(name, ':');
+    if (field) {
+        *field++ = 0;
+        st = open_named(b, v, name, &there);
+    }
+    if (st == ST_OK && there)
+        return (status)leafcast_find_field(b->volume, field, &b->field);
+    return st;
+}
+
+/* Terrain is made of its field: another one would be another terrain. Its cells lie in rows, those
+ * of other surfaces do not. */
+static status check_given(const colour_by *b, const view_options *v) {
+    uint32_t index[3];
+    if (leafcast_cell_indices(b->of, 0, 0, index) == 0)
+        return ST_OK;
+    return status_describe(
+        ST_USAGE,
+        "--colour-by %s: fields of terrain are elevations, by which it cannot be "
+        "coloured; a file of a volume can colour it",
+        v->colour_by);
+}
+
+static status open_any(colour_by *b, const view_options *v, uint32_t shown) {
+    char why[STATUS_TEXT_MAX];
+    uint32_t field;
+    b->same = leafcast_find_field(b->of, v->colour_by, &field) == LEAFCAST_OK;
+    snprintf(why, sizeof why, "%s", b->same ? "" : status_text());
+    if (!b->same) {
+        const status st = open_other(b, v);
+        return st != ST_OK || b->volume
+                   ? st
+                   : status_describe(ST_USAGE,
+                                     "--colour-by: \"%s\" is neither a file nor a field: %s",
+                                     v->colour_by, why);
+    }
+    b->field = field;
+    if (leafcast_describe(b->of).abilities & LEAFCAST_ABILITY_GIVEN)
+        return check_given(b, v);
+    if (field == shown)
+        return status_describe(
+            ST_USAGE,
+            "--colour-by %s: that is the field whose isosurfaces are shown, each "
+            "of one value",
+            v->colour_by);
+    return open_on(b, file_path(b->of->file->source));
+}
+
+/* ---- Its step ---- */
+
+/* Check that a step of both has the same time. */
+static status check_time(const colour_by *b, uint32_t step) {
+    char one[NUM_TEXT_MAX], other[NUM_TEXT_MAX];
+    const leafcast_info info = leafcast_describe(b->volume);
+    if (step >= info.steps)
+        return status_describe(ST_USAGE,
+                               "--colour-by %s: there are steps 0 to %u, and step %u is shown",
+                               b->name, info.steps - 1, step);
+    const double shown = leafcast_step_time(b->of, step),
+                 time = leafcast_step_time(b->volume, step);
+    if (time == shown)
+        return ST_OK;
+    return status_describe(ST_USAGE,
+                           "--colour-by %s: its step %u is at time %s, what is shown there at %s",
+                           b->name, step, num_print(time, one), num_print(shown, other));
+}
+
+status colour_by_find(colour_by *b, const view_options *v, leafcast *of, uint32_t *field,
+                      uint32_t step, double between, const double *place, leafcast_colouring *out) {
+    status st = ST_OK;
+    if (b->of != of || strcmp(b->name, v->colour_by) != 0) {
+        colour_by_close(b);
+        b->of = of;
+        st = open_any(b, v, *field);
+        snprintf(b->name, sizeof b->name, "%s", st == ST_OK ? v->colour_by : "");
+    }
+    if (st != ST_OK)
+        return st;
+    *out = (leafcast_colouring){.volume = b->volume, .field = b->field};
+    if (!b->volume) {
+        *field = b->field;
+        return ST_OK;
+    }
+    out->place = b->same ? place : NULL;
+    if (leafcast_describe(b->volume).steps == 1)
+        return ST_OK;
+    out->step = step;
+    out->between = between;
+    st = check_time(b, step);
+    return st == ST_OK && between > 0.0 ? check_time(b, step + 1) : st;
+}

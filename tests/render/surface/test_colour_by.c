@@ -1,0 +1,658 @@
+/* test_colour_by.c - surfaces coloured by another volume's values: each pixel beside the map of
+ * what leafcast_sample_points() finds at eye + t d, for every kind that is coloured and every kind
+ * that colours; lights, layers and mirrors; the same bits for any budget and threads; what is
+ * refused.
+ */
+/* marks: threads */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/ray/affine.h"
+#include "tests/support/between_lab.h"
+#include "tests/support/curvilinear_file.h"
+#include "tests/support/fixture.h"
+#include "tests/support/heights_lab.h"
+#include "tests/support/leaf_files.h"
+#include "tests/support/mixed_file.h"
+#include "tests/support/scene_stage.h"
+#include "tests/support/scratch.h"
+#include "tests/support/triangle_lab.h"
+
+/* ---- Files of all kinds ---- */
+
+enum {
+    GRID,
+    HOLES,
+    MESH,
+    CURVED,
+    MIXED,
+    COLOURING,
+    TRIANGLES = COLOURING,
+    HEIGHTS,
+    FILES,
+    SERIES = FILES
+};
+
+static const char *const NAMES[FILES] = {"grid",  "grid with holes", "mesh",   "curvilinear grid",
+                                         "mixed", "triangles",       "heights"};
+static char paths[FILES + 1][600];
+static const scene_stage *stage;
+
+static void keep(int which, const char *path) {
+    snprintf(paths[which], sizeof paths[which], "%s", path);
+}
+
+static void make_holes(void) {
+    leaf_case c = leaf_files_case(29, 35, 40, SAMPLE_F32);
+    void *samples = leaf_files_random(&c, 5, 300);
+    c.samples = samples;
+    keep(HOLES, leaf_files_make(&c, "holes.leaf"));
+    free(samples);
+}
+
+static void make_curved(void) {
+    enum { I = 36, J = 12, K = 18 };
+    static float p[I * J * K][3], values[I * J * K];
+    for (int n = 0; n < I * J * K; n++) {
+        const double i = n % I, j = n / I % J, k = n / (I * J);
+        p[n][0] = (float)(i + 1.5 * sin(0.3 * k));
+        p[n][1] = (float)(j + cos(0.2 * i));
+        p[n][2] = (float)(k + 0.5 * sin(j));
+        values[n] = (float)(sin(0.35 * i) + cos(0.3 * k) + 0.2 * j);
+    }
+    const curvilinear_zone zone = {{I, J, K}, (const float(*)[3])p, values, NULL};
+    const leaf_image image = curvilinear_file(&zone, 1);
+    keep(CURVED, scratch_write("curved.leaf", image.bytes, image.size));
+    free(image.bytes);
+}
+
+static void make_mixed(void) {
+    static cell_mix mix;
+    mesh_result result;
+    cell_mix_make(&mix, 0, FIELD_SEED);
+    (void)mixed_file_write(mix.cell, mix.count, scratch_path("mix.vtk"));
+    mixed_file_convert(scratch_path("mix.vtk"), scratch_path("mix.leaf"), 40, UINT64_C(1) << 32,
+                       &result);
+    keep(MIXED, scratch_path("mix.leaf"));
+}
+
+static void make_surfaces(void) {
+    static triangle_lab lab;
+    heights_terrain terrain;
+    mesh_result result;
+    triangle_lab_make(&lab, 0, FIELD_SEED);
+    triangle_lab_convert(&lab, scratch_path("lab.leaf"), 64, "f", true, &result);
+    keep(TRIANGLES, scratch_path("lab.leaf"));
+    heights_lab_make(&terrain, 0, 50, FIELD_SEED);
+    keep(HEIGHTS, heights_lab_leaf(&terrain, 4, 1, true));
+    heights_lab_release(&terrain);
+}
+
+static int set_up(void **state) {
+    (void)scene_stage_set(state);
+    stage = *state;
+    keep(GRID, stage->grid_path);
+    keep(MESH, stage->mesh_path);
+    make_holes();
+    make_curved();
+    make_mixed();
+    make_surfaces();
+    return 0;
+}
+
+/* ---- A scene of one volume coloured by another ---- */
+
+typedef struct coloured {
+    leafcast_device *device;
+    leafcast *of, *by;
+    double place[2][12];
+    leafcast_transfer_point points[3];
+    leafcast_medium map;
+    leafcast_surface surfaces[2];
+    leafcast_colouring colouring;
+    leafcast_shown shown;
+    leafcast_scene scene;
+    leafcast_camera camera;
+} coloured;
+
+/* The place that takes a volume's box to [0, 10]^3, turned about the third axis and scaled. */
+static void place_of(const leafcast *v, double angle, double scale, double place[12]) {
+    const leafcast_info info = leafcast_describe(v);
+    double own[3][4] = {{0}};
+    for (int a = 0; a < 3; a++) {
+        const double length = info.bounds[1][a] - info.bounds[0][a];
+        own[a][a] = scale * 10.0 / length;
+        own[a][3] = -scale * (10.0 * info.bounds[0][a] / length + 5.0);
+    }
+    const double c = cos(angle), s = sin(angle), turn[3][3] = {{c, -s, 0}, {s, c, 0}, {0, 0, 1}};
+    for (int r = 0; r < 3; r++)
+        for (int k = 0; k < 4; k++) {
+            place[4 * r + k] = k == 3 ? 5.0 : 0.0;
+            for (int m = 0; m < 3; m++)
+                place[4 * r + k] += turn[r][m] * own[m][k];
+        }
+}
+
+/* Let a place lead from [0, 10]^3 to the box of a volume instead. */
+static void place_into(const leafcast *v, double place[12]) {
+    const leafcast_info info = leafcast_describe(v);
+    for (int a = 0; a < 3; a++) {
+        const double length = (info.bounds[1][a] - info.bounds[0][a]) / 10.0;
+        for (int k = 0; k < 4; k++)
+            place[4 * a + k] *= length;
+        place[4 * a + 3] += info.bounds[0][a];
+    }
+}
+
+/* Where the two lie: as their files say; both at places; or only what colours, so that the other is
+ * drawn by kernels of tiles. */
+typedef enum where { AS_FILES_SAY, PLACED, TILED } where;
+
+static void open_coloured(coloured *c, int of, int by, where how, const leafcast_options *device,
+                          uint32_t treelets) {
+    const leafcast_options none = {.size = sizeof none};
+    double range[2];
+    int count;
+    memset(c, 0, sizeof *c);
+    assert_int_equal(leafcast_device_create(device ? device : &none, &c->device), LEAFCAST_OK);
+    const leafcast_options on = {.size = sizeof on,
+                                 .device = c->device,
+                                 .experiments = EXPERIMENTS(.treelet_limit = treelets)};
+    assert_int_equal(leafcast_open(paths[of], &on, &c->of), LEAFCAST_OK);
+    assert_int_equal(leafcast_open(paths[by], &on, &c->by), LEAFCAST_OK);
+    assert_int_equal(leafcast_range(c->by, 0, 0, range), LEAFCAST_OK);
+    const double middle = 0.4 * range[0] + 0.6 * range[1];
+    c->points[0] = (leafcast_transfer_point){.value = range[0], .rgb = {1.0, 0.0, 0.1}};
+    c->points[1] = (leafcast_transfer_point){.value = middle, .rgb = {0.0, 1.0, 0.5}};
+    c->points[2] = (leafcast_transfer_point){.value = range[1], .rgb = {0.0, 0.2, 1.0}};
+    c->map = (leafcast_medium){c->points, 3};
+    double iso = 0.0;
+    assert_int_equal(leafcast_suggested_isovalues(c->of, 0, 0, &iso, 1, &count), LEAFCAST_OK);
+    c->surfaces[0] = leafcast_surface_default(of == GRID ? scene_stage_isos[0] : iso);
+    c->surfaces[1] = leafcast_surface_default(scene_stage_isos[1]);
+    for (int i = 0; i < 2; i++)
+        memcpy(c->surfaces[i].rgb, (const float[3]){0.25f, 0.75f, 0.875f}, sizeof(float[3]));
+    place_of(c->of, 0.2, 0.9, c->place[0]);
+    place_of(c->by, -0.3, 0.95, c->place[1]);
+    if (how == TILED)
+        place_into(c->of, c->place[1]);
+    c->colouring =
+        (leafcast_colouring){.volume = c->by, .place = how != AS_FILES_SAY ? c->place[1] : NULL};
+    c->shown = (leafcast_shown){.volume = c->of,
+                                .surfaces = c->surfaces,
+                                .count = 1,
+                                .place = how == PLACED ? c->place[0] : NULL,
+                                .colours = &c->map,
+                                .colour_by = &c->colouring};
+    c->scene = leafcast_scene_default();
+    c->scene.volumes = &c->shown;
+    c->scene.volume_count = 1;
+    c->scene.shading = LEAFCAST_SHADING_FLAT;
+    c->camera = scene_stage_view(50.0);
+    if (how == TILED)
+        c->camera = leafcast_standard_view(c->of, 1.2, PICTURE_WIDTH, PICTURE_HEIGHT);
+    if (how == PLACED) {
+        const double eye[3] = {21.0, 15.0, 19.0}, at[3] = {5.1, 4.9, 5.0};
+        memcpy(c->camera.eye, eye, sizeof eye);
+        memcpy(c->camera.look_at, at, sizeof at);
+    }
+}
+
+static void close_coloured(coloured *c) {
+    leafcast_close(c->of);
+    leafcast_close(c->by);
+    leafcast_device_destroy(c->device);
+}
+
+/* ---- The truth ---- */
+
+static void map_by_hand(const coloured *c, const leafcast_surface *s, double value, double rgb[3]) {
+    const leafcast_transfer_point *p = c->points;
+    for (int a = 0; a < 3; a++)
+        rgb[a] = (double)s->rgb[a];
+    if (isnan(value))
+        return;
+    const int k = value >= p[1].value;
+    double w = (value - p[k].value) / (p[k + 1].value - p[k].value);
+    w = w < 0.0 ? 0.0 : w > 1.0 ? 1.0 : w;
+    for (int a = 0; a < 3; a++)
+        rgb[a] = (1.0 - w) * p[k].rgb[a] + w * p[k + 1].rgb[a];
+}
+
+/* The value that colours a point of the scene's world. */
+static double value_at(const coloured *c, const double at[3]) {
+    leafcast_sample sample;
+    double own[3];
+    memcpy(own, at, sizeof own);
+    if (c->colouring.place) {
+        affine space;
+        affine_init(&space, c->colouring.place);
+        affine_point_to_grid(&space, at, own);
+    }
+    assert_int_equal(leafcast_sample_points(c->by, (const double(*)[3])own, 1, &sample),
+                     LEAFCAST_OK);
+    return sample.inside ? sample.value : (double)NAN;
+}
+
+typedef struct seen {
+    int valued, plain;
+} seen;
+
+/* Compare each pixel's first surface with the truth: its colour, times what is at that pixel of
+ * `white`, the picture of white surfaces (NULL: 1). */
+static seen compare(const coloured *c, const picture *p, const picture *white, const char *what) {
+    seen n = {0, 0};
+    for (int i = 0; i < PICTURE_PIXELS; i++) {
+        double o[3], d[3], at[3], rgb[3];
+        if (p->id[i] < 0)
+            continue;
+        leafcast_pixel_ray(&c->camera, i % PICTURE_WIDTH + 0.5, i / PICTURE_WIDTH + 0.5, o, d);
+        for (int a = 0; a < 3; a++)
+            at[a] = o[a] + p->z[i] * d[a];
+        const double value = value_at(c, at);
+        map_by_hand(c, &c->surfaces[p->id[i]], value, rgb);
+        n.valued += !isnan(value);
+        n.plain += isnan(value);
+        for (int k = 0; k < 3; k++) {
+            const double expected = rgb[k] * (white ? (double)white->rgba[k][i] : 1.0);
+            if (fabs((double)p->rgba[k][i] - expected) > 1e-6)
+                fail_msg("%s: pixel %d, value %.17g: channel %d is %.9g, not %.9g", what, i, value,
+                         k, (double)p->rgba[k][i], expected);
+        }
+    }
+    return n;
+}
+
+/* ---- Tests ---- */
+
+static void test_kinds(void **state) {
+    static picture p;
+    int plain = 0;
+    (void)state;
+    for (int of = 0; of < FILES; of++)
+        for (int by = 0; by < COLOURING; by++) {
+            char what[80];
+            coloured c;
+            if (of == HOLES)
+                continue;
+            snprintf(what, sizeof what, "%s by %s", NAMES[of], NAMES[by]);
+            for (where how = PLACED; how <= TILED; how++) {
+                open_coloured(&c, of, by, how, NULL, 0);
+                pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
+                const seen n = compare(&c, &p, NULL, what);
+                print_message("%s: %d pixels by value, %d plain\n", what, n.valued, n.plain);
+                assert_true(n.valued > PICTURE_PIXELS / 40);
+                plain += n.plain;
+                close_coloured(&c);
+            }
+        }
+    assert_true(plain > PICTURE_PIXELS / 2);
+}
+
+/* Where both lie without places, points are the very ones of the ray. */
+static void test_unplaced(void **state) {
+    static picture p;
+    (void)state;
+    for (int which = 0; which < 2; which++) {
+        coloured c;
+        open_coloured(&c, which ? MESH : GRID, which ? GRID : MESH, AS_FILES_SAY, NULL, 0);
+        pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
+        const seen n = compare(&c, &p, NULL, which ? "mesh by grid" : "grid by mesh");
+        assert_true(n.valued > PICTURE_PIXELS / 40);
+        close_coloured(&c);
+    }
+}
+
+/* The colour is an albedo: with lights, shadows, clips and occlusion a pixel is the white one's,
+ * times the colour. */
+static void test_lit(void **state) {
+    static picture p, white;
+    (void)state;
+    for (int soft = 0; soft < 2; soft++) {
+        coloured c;
+        open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+        c.scene.shading = LEAFCAST_SHADING_DIFFUSE;
+        c.scene.shadows = true;
+        c.scene.light_count = 2;
+        c.scene.lights[0] = (leafcast_light){false, {1, 0.4, 2}, {0.8f, 0.7f, 0.6f}, 3 * soft};
+        c.scene.lights[1] = (leafcast_light){true, {20, -5, 15}, {0.3f, 0.4f, 0.5f}, 0};
+        c.scene.occlusion = 4.0 * soft;
+        c.scene.occlusion_samples = 4;
+        c.scene.light_samples = 4;
+        c.scene.clip_plane_count = 1;
+        memcpy(c.scene.clip_planes[0], (const double[4]){-1, 0, 0.2, 7}, sizeof(double[4]));
+        leafcast_shown plain = c.shown;
+        leafcast_surface bright = c.surfaces[0];
+        leafcast_scene scene = c.scene;
+        plain.colour_by = NULL;
+        plain.colours = NULL;
+        plain.surfaces = &bright;
+        for (int k = 0; k < 3; k++)
+            bright.rgb[k] = 1.0f;
+        scene.volumes = &plain;
+        pictures_draw(c.of, &scene, &c.camera, &white, NULL);
+        pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
+        assert_memory_equal(p.z, white.z, sizeof p.z);
+        assert_memory_equal(p.normal, white.normal, sizeof p.normal);
+        const seen n = compare(&c, &p, &white, soft ? "soft" : "lit");
+        assert_true(n.valued > PICTURE_PIXELS / 40);
+        close_coloured(&c);
+    }
+}
+
+/* All layers of glass, composited by hand from what a probe meets. */
+static void test_layers(void **state) {
+    enum { HITS = 64 };
+    static picture p;
+    coloured c;
+    int most = 0;
+    (void)state;
+    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+    c.shown.count = 2;
+    c.surfaces[0].opacity = 0.4f;
+    c.surfaces[1].opacity = 0.6f;
+    pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
+    for (int i = 0; i < PICTURE_PIXELS; i += WATCHED ? 17 : 5) {
+        leafcast_hit hits[HITS];
+        double o[3], d[3], sum[4] = {0.0};
+        int count;
+        leafcast_pixel_ray(&c.camera, i % PICTURE_WIDTH + 0.5, i / PICTURE_WIDTH + 0.5, o, d);
+        assert_int_equal(leafcast_probe_ray(c.of, &c.scene, o, d, hits, HITS, &count), LEAFCAST_OK);
+        for (int k = 0; k < count; k++) {
+            const leafcast_surface *s = &c.surfaces[hits[k].surface];
+            const double share = (1.0 - sum[3]) * (double)s->opacity;
+            double rgb[3];
+            map_by_hand(&c, s, value_at(&c, hits[k].point), rgb);
+            for (int a = 0; a < 3; a++)
+                sum[a] += share * rgb[a];
+            sum[3] += share;
+        }
+        most = count > most ? count : most;
+        for (int a = 0; a < 4; a++)
+            assert_true(fabs((double)p.rgba[a][i] - sum[a]) < 1e-3);
+    }
+    assert_true(most > 3);
+    close_coloured(&c);
+}
+
+/* Ask for lights, shadows and glass; of soft looks also for mirrors. */
+static void ask(coloured *c, bool soft) {
+    c->shown.count = 2;
+    c->surfaces[0].opacity = 0.7f;
+    c->surfaces[0].reflectivity = 0.5f;
+    c->scene.shading = LEAFCAST_SHADING_PHONG;
+    c->scene.shadows = true;
+    c->scene.light_count = 1;
+    c->scene.lights[0] = (leafcast_light){false, {1, 0.4, 2}, {0.8f, 0.7f, 0.6f}, 4 * soft};
+    c->scene.light_samples = 2;
+    c->scene.bounces = 2 * soft;
+}
+
+/* Draw it anew, with a device of these options. Returns false if that has no room. */
+static bool draw_anew(int of, int by, where how, const leafcast_options *o, uint32_t treelets,
+                      picture *p, leafcast_stats *stats) {
+    coloured c;
+    open_coloured(&c, of, by, how, o, treelets);
+    ask(&c, of == GRID && how == PLACED);
+    const leafcast_image plane = {.size = sizeof plane,
+                                  .r = p->rgba[0],
+                                  .g = p->rgba[1],
+                                  .b = p->rgba[2],
+                                  .a = p->rgba[3],
+                                  .z = p->z,
+                                  .normal = {p->normal[0], p->normal[1], p->normal[2]},
+                                  .id = p->id,
+                                  .provisional = p->provisional};
+    const bool room = leafcast_check_room(c.of, &c.scene, &c.camera, &plane, 0) == LEAFCAST_OK;
+    if (room)
+        pictures_draw(c.of, &c.scene, &c.camera, p, stats);
+    close_coloured(&c);
+    return room;
+}
+
+/* Under any budget, by any threads, by single rays and by tiles. */
+static void test_same_bits(void **state) {
+    static const int pairs[][3] = {{GRID, MESH, PLACED},      {MESH, CURVED, TILED},
+                                   {GRID, HOLES, TILED},      {CURVED, GRID, TILED},
+                                   {TRIANGLES, MIXED, TILED}, {HEIGHTS, GRID, TILED},
+                                   {MIXED, MESH, TILED}};
+    static picture all, p;
+    (void)state;
+    for (size_t i = 0; i < (WATCHED ? 1 : sizeof pairs / sizeof *pairs); i++) {
+        const int of = pairs[i][0], by = pairs[i][1];
+        const where how = (where)pairs[i][2];
+        leafcast_stats stats = {.size = sizeof stats};
+        leafcast_options o = {.size = sizeof o, .threads = 1, .isa = "scalar"};
+        assert_true(draw_anew(of, by, how, &o, 0, &all, &stats));
+        for (int threads = 1; threads <= 3; threads += 2)
+            for (uint32_t treelets = 0; treelets < 3; treelets++) {
+                o = (leafcast_options){.size = sizeof o, .threads = threads};
+                assert_true(draw_anew(of, by, how, &o, treelets, &p, &stats));
+                scene_stage_same(&all, &p);
+            }
+        o = (leafcast_options){.size = sizeof o, .threads = 2, .memory = 1 << 20};
+        while (!draw_anew(of, by, how, &o, 0, &p, &stats))
+            o.memory += o.memory / 16;
+        assert_true(o.memory > 1 << 20);
+        assert_true(stats.bytes_peak <= o.memory);
+        scene_stage_same(&all, &p);
+    }
+}
+
+/* What a mirror shows is coloured likewise: a plane that is nothing but its reflection, through the
+ * coloured volume. */
+static void test_mirrored(void **state) {
+    static picture p;
+    field f;
+    coloured c;
+    int mirrored = 0;
+    (void)state;
+    assert_true(field_make(&f, "linear", 20, FIELD_SEED));
+    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+    const leafcast_options on = {.size = sizeof on, .device = c.device};
+    leafcast *plane = fixture_open(fixture_leaf(&f, 4, 1, true), &on);
+    leafcast_surface mirror = leafcast_surface_default(f.iso);
+    double place[12];
+    leafcast_shown shown[2] = {{.volume = plane, .surfaces = &mirror, .count = 1, .place = place},
+                               c.shown};
+    place_of(plane, -0.8, 2.0, place);
+    mirror.reflectivity = 1.0f;
+    c.scene.bounces = 1;
+    c.scene.volumes = shown;
+    c.scene.volume_count = 2;
+    pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
+    for (int i = 0; i < PICTURE_PIXELS; i++) {
+        double o[3], d[3], along = 0.0, to[3], at[3], rgb[3];
+        leafcast_hit met;
+        int count;
+        if (p.id[i] != 0)
+            continue;
+        leafcast_pixel_ray(&c.camera, i % PICTURE_WIDTH + 0.5, i / PICTURE_WIDTH + 0.5, o, d);
+        for (int a = 0; a < 3; a++)
+            along += d[a] * (double)p.normal[a][i];
+        for (int a = 0; a < 3; a++) {
+            to[a] = d[a] - 2.0 * along * (double)p.normal[a][i];
+            at[a] = o[a] + p.z[i] * d[a];
+        }
+        assert_int_equal(leafcast_probe_ray(c.of, &c.scene, at, to, &met, 1, &count), LEAFCAST_OK);
+        if (count == 0)
+            continue;
+        map_by_hand(&c, c.surfaces, value_at(&c, met.point), rgb);
+        mirrored++;
+        for (int a = 0; a < 3; a++)
+            assert_true(fabs((double)p.rgba[a][i] - rgb[a]) < 1e-3);
+    }
+    print_message("%d pixels of the mirror show it\n", mirrored);
+    assert_true(mirrored > 20);
+    leafcast_close(plane);
+    close_coloured(&c);
+    field_release(&f);
+}
+
+/* A volume may be shown, and colour, and be coloured. */
+static void test_both_shown(void **state) {
+    static picture p;
+    coloured c;
+    (void)state;
+    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+    const leafcast_colouring back = {.volume = c.of, .place = c.place[0]};
+    leafcast_shown shown[2] = {c.shown, c.shown};
+    leafcast_surface other = leafcast_surface_default(scene_stage_mesh.isovalue);
+    double range[2];
+    shown[1].volume = c.by;
+    shown[1].place = c.place[1];
+    shown[1].surfaces = &other;
+    shown[1].colour_by = &back;
+    c.scene.volumes = shown;
+    c.scene.volume_count = 2;
+    assert_int_equal(leafcast_range(c.of, 0, 0, range), LEAFCAST_OK);
+    pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
+    int met[2] = {0, 0};
+    for (int i = 0; i < PICTURE_PIXELS; i++) {
+        double o[3], d[3], at[3], rgb[3];
+        coloured now = c;
+        if (p.id[i] < 0)
+            continue;
+        leafcast_pixel_ray(&c.camera, i % PICTURE_WIDTH + 0.5, i / PICTURE_WIDTH + 0.5, o, d);
+        for (int a = 0; a < 3; a++)
+            at[a] = o[a] + p.z[i] * d[a];
+        if (p.id[i] == 1) {
+            now.by = c.of;
+            now.colouring = back;
+        }
+        map_by_hand(&c, p.id[i] == 1 ? &other : c.surfaces, value_at(&now, at), rgb);
+        met[p.id[i]]++;
+        for (int k = 0; k < 3; k++)
+            assert_true(fabs((double)p.rgba[k][i] - rgb[k]) <= 1e-6);
+    }
+    assert_true(met[0] > 20 && met[1] > 20);
+    close_coloured(&c);
+}
+
+/* A medium about the surface changes nothing of its colour where it lets all light through. */
+static void test_medium(void **state) {
+    static picture p;
+    const leafcast_transfer_point thin[2] = {{.value = 1e20, .rgb = {1, 1, 1}, .extinction = 0.0},
+                                             {.value = 2e20, .rgb = {1, 1, 1}, .extinction = 1.0}};
+    const leafcast_medium medium = {thin, 2};
+    coloured c;
+    (void)state;
+    open_coloured(&c, GRID, CURVED, PLACED, NULL, 1);
+    c.scene.media = &medium;
+    c.scene.media_count = 1;
+    pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
+    const seen n = compare(&c, &p, NULL, "in a medium");
+    assert_true(n.valued > PICTURE_PIXELS / 40);
+    close_coloured(&c);
+}
+
+static void refused(coloured *c, const char *said) {
+    float r[4];
+    const leafcast_camera view = leafcast_standard_view(c->of, 2.0, 2, 2);
+    const leafcast_image image = {.size = sizeof image, .r = r};
+    assert_int_equal(leafcast_trace(c->of, &c->scene, &view, &image, NULL, NULL, NULL),
+                     LEAFCAST_USAGE);
+    if (!strstr(leafcast_error_text(), said))
+        fail_msg("\"%s\" lacks \"%s\"", leafcast_error_text(), said);
+}
+
+/* A step, and a time between two, of what colours. Beside another one of the same volume, it is
+ * refused. */
+static void test_steps(void **state) {
+    static picture p;
+    between_lab *lab = between_lab_make(&between_kinds[1]);
+    (void)state;
+    keep(SERIES, lab->series);
+    for (int i = 0; i < 2; i++) {
+        coloured c;
+        open_coloured(&c, MESH, SERIES, PLACED, NULL, 0);
+        c.colouring.step = 2;
+        c.colouring.between = 0.3 * i;
+        pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
+        assert_int_equal(leafcast_select_between(c.by, 0, 2, 0.3 * i), LEAFCAST_OK);
+        const seen n = compare(&c, &p, NULL, i ? "between" : "step");
+        assert_true(n.valued > PICTURE_PIXELS / 40);
+        const leafcast_shown shown[2] = {c.shown,
+                                         {.volume = c.by, .surfaces = c.surfaces, .count = 1}};
+        c.scene.volumes = shown;
+        c.scene.volume_count = 2;
+        refused(&c, "has one field and step");
+        close_coloured(&c);
+    }
+    between_lab_free(lab);
+}
+
+/* Previews do not wait for values: of cells they are there or not, of a grid perhaps coarser. What
+ * is not provisional is exact. With one treelet at a time not all can be. */
+static void test_preview(void **state) {
+    static picture exact, p;
+    (void)state;
+    for (int by = HOLES; by <= MESH; by++) {
+        coloured c;
+        int provisional = 0, coarse = 0;
+        open_coloured(&c, GRID, by, PLACED, NULL, 1);
+        leafcast_scene scene = c.scene;
+        scene.preview = true;
+        /* Until something coarser has come. */
+        for (int turn = 0; turn < 200 && coarse == 0 && by == HOLES; turn++) {
+            pictures_draw(c.of, &scene, &c.camera, &p, NULL);
+            for (int i = 0; i < PICTURE_PIXELS; i++)
+                coarse += p.provisional[i] && p.id[i] >= 0 && p.rgba[0][i] != c.surfaces[0].rgb[0];
+        }
+        assert_true(coarse > 0 || by != HOLES);
+        pictures_draw(c.of, &scene, &c.camera, &p, NULL);
+        pictures_draw(c.of, &c.scene, &c.camera, &exact, NULL);
+        for (int i = 0; i < PICTURE_PIXELS; i++) {
+            provisional += p.provisional[i];
+            assert_true(p.provisional[i] || pictures_same_pixel(&p, &exact, i));
+        }
+        assert_true(provisional > 20);
+        close_coloured(&c);
+    }
+}
+
+static void test_refused(void **state) {
+    (void)state;
+    coloured c;
+    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+    c.shown.colours = NULL;
+    refused(&c, "there are no colours");
+    c.shown.colours = &c.map;
+    c.colouring.volume = NULL;
+    refused(&c, "colour_by.volume is NULL");
+    c.colouring.volume = c.of;
+    c.colouring.step = 3;
+    refused(&c, "step");
+    c.colouring = (leafcast_colouring){.volume = c.by, .field = 7};
+    refused(&c, "field");
+    leafcast *elsewhere = fixture_open(paths[MESH], NULL);
+    c.colouring = (leafcast_colouring){.volume = elsewhere};
+    refused(&c, "on another device");
+    leafcast_close(elsewhere);
+    close_coloured(&c);
+    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+    const leafcast_options on = {.size = sizeof on, .device = c.device};
+    leafcast *given = fixture_open(paths[HEIGHTS], &on);
+    c.colouring.volume = given;
+    refused(&c, "has no values at points");
+    leafcast_close(given);
+    close_coloured(&c);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_kinds),      cmocka_unit_test(test_unplaced),
+        cmocka_unit_test(test_lit),        cmocka_unit_test(test_layers),
+        cmocka_unit_test(test_same_bits),  cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_both_shown), cmocka_unit_test(test_medium),
+        cmocka_unit_test(test_steps),      cmocka_unit_test(test_preview),
+        cmocka_unit_test(test_refused)};
+    return cmocka_run_group_tests(tests, set_up, scene_stage_clear);
+}
