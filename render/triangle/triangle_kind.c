@@ -10,7 +10,7 @@
 #include "render/triangle/triangle_walk.h"
 #include "render/walk/cell_walks.h"
 #include "render/walk/tree_points.h"
-#include "stream/triangle_resident.h"
+#include "stream/moving_surface.h"
 
 static const triangle_blocks *blocks_of(const treelet *at) {
     return &resident_triangles_of(at)->blocks;
@@ -21,7 +21,7 @@ static const triangle_blocks *blocks_of(const treelet *at) {
 CPU_KERNELS(tile_fn, triangle_tile_kernels, NULL, triangle_tile);
 
 static status triangle_project(leafcast *v, const struct camera *c, struct projection *out) {
-    box_projection_init(out, v->file->header.bounds, c);
+    box_projection_init(out, leaf_file_bounds(v->file, v->step), c);
     return ST_OK;
 }
 
@@ -58,7 +58,7 @@ static void triangle_aim(leafcast *v, const leafcast_scene *scene, const struct 
     const leaf_file *f = v->file;
     const uint32_t shown = v->set / f->layout.steps;
     (void)scene, (void)c;
-    box3_of_floats(v->file->header.bounds, tr->box);
+    box3_of_floats(leaf_file_bounds(f, v->step), tr->box);
     /* Between two steps packed numbers are not those of colours. */
     tr->coloured = !f->below && strcmp(leaf_file_field_name(f, shown), TRIANGLE_COLOURS) == 0;
 }
@@ -101,13 +101,23 @@ static void no_cell_in(const leafcast *v, const treelet *at, const double point[
 
 /* ---- Triangles ---- */
 
+/* Returns the treelet that a triangle is in, and *local, which one it is there. */
+static uint32_t place_of(const leaf_file *f, uint64_t number, uint32_t *local) {
+    const leaf_cells_directory *d = triangle_directory_of(f);
+    if (f->moving)
+        return moving_surface_find(f->moving, number, local);
+    const uint32_t t = leaf_cells_treelet(d->first, f->layout.treelets, number);
+    *local = (uint32_t)(number - d->first[t]);
+    return t;
+}
+
 static status find_triangle(leafcast *v, uint64_t number, triangle *out) {
-    const leaf_cells_directory *d = triangle_directory_of(v->file);
-    const uint32_t t = leaf_cells_treelet(d->first, v->file->layout.treelets, number);
+    uint32_t local;
+    const uint32_t t = place_of(v->file, number, &local);
     const treelet *at;
     const status st = volume_treelet(v, t, &at);
     if (st == ST_OK)
-        *out = triangle_walk_one(blocks_of(at), (uint32_t)(number - d->first[t]));
+        *out = triangle_walk_one(blocks_of(at), local);
     return st;
 }
 

@@ -60,10 +60,11 @@ bool triangle_walk_hits(const triangle_blocks *b, bool coloured, const ray *r, t
     while ((at = tree_passages_next(&passages, at, state->best.t)).t != LEAF_NO_TREELET) {
         for (unsigned left = b->active[at.t]; left; left &= left - 1) {
             const uint32_t i = TRIANGLE_BLOCK * at.t + (uint32_t)__builtin_ctz(left);
+            const uint64_t number = triangle_blocks_number(b, i);
             const triangle x = triangle_walk_one(b, i);
             /* A flat piece that the ray begins on is met nowhere else. */
-            if (b->first + i == state->origin || !passes_box(&line, &x) ||
-                !meet(&x, b->first + i, r, state, counters))
+            if (number == state->origin || !passes_box(&line, &x) ||
+                !meet(&x, number, r, state, counters))
                 continue;
             best = x;
             changed = true;

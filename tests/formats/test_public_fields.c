@@ -36,6 +36,7 @@ static const public_header *headers(void) {
     public_header_read(&h, "formats/leafcast_status.h");
     public_header_read(&h, "formats/leafcast_grid.h");
     public_header_read(&h, "render/leafcast.h");
+    public_header_read(&h, "render/leafcast_dynamic.h");
     public_header_read(&h, "render/leafcast_look.h");
     public_header_read(&h, "render/leafcast_experimental.h");
     public_header_read(&h, "prep/leafcast_prep.h");
