@@ -191,7 +191,7 @@ static void aim(trial *t) {
     for (uint32_t y = 0, i = 0; y < c.height; y++)
         for (uint32_t x = 0; x < c.width; x++, i++) {
             t->rays[i] = (leafcast_ray){.t1 = (double)INFINITY};
-            leafcast_pixel_ray(&c, x, y, t->rays[i].origin, t->rays[i].direction);
+            leafcast_pixel_ray(&c, x + 0.5, y + 0.5, t->rays[i].origin, t->rays[i].direction);
         }
 }
 
@@ -219,7 +219,6 @@ static void walk(trial *t, bounded_counts *counts) {
         (void)bounded_kdtree_first(&t->tree, &r, &found, counts);
         t->hits[i].t = found.t;
         t->hits[i].cell = found.cell;
-        t->depth[i] = found.t;
     }
 }
 
@@ -227,13 +226,14 @@ static void count(const trial *t, bool cells, entrant *e) {
     e->hits = e->differ = 0;
     for (size_t i = 0; i < t->pixels; i++) {
         const leafcast_ray_hit *is = &t->hits[i], *want = &t->want[i];
-        const bool missed = isinf(want->t);
-        e->hits += !isinf(t->depth[i]);
-        e->differ += t->depth[i] != want->t || (cells && !missed && is->cell != want->cell);
+        const double at = cells ? is->t : t->depth[i];
+        e->hits += !isinf(at);
+        e->differ += at != want->t || (cells && !isinf(at) && is->cell != want->cell);
     }
 }
 
-static status run_once(trial *t, int tree, entrant *e, double *seconds) {
+/* first: count, too. */
+static status run_once(trial *t, int tree, bool first, entrant *e, double *seconds) {
     leafcast_stats stats;
     bounded_counts counts = {0};
     const double from = clock_cpu_seconds();
@@ -245,9 +245,9 @@ static status run_once(trial *t, int tree, entrant *e, double *seconds) {
     else
         walk(t, &counts);
     *seconds = clock_cpu_seconds() - from;
-    if (tree == RAYS && st == ST_OK)
+    if (tree == RAYS && first && st == ST_OK)
         st = draw(t, t->volume[RAYS], &stats); /* rays of the caller's own are not counted */
-    if (st != ST_OK)
+    if (st != ST_OK || !first)
         return st;
     const double rays = (double)t->pixels;
     e->nodes = (double)(tree == KDTREE ? counts.nodes : stats.nodes) / rays;
@@ -260,7 +260,7 @@ static status race(trial *t, entrant e[TREES]) {
     status st = ST_OK;
     for (int tree = 0; tree < TREES && st == ST_OK; tree++) {
         for (int n = 0; n < t->job->runs && st == ST_OK; n++)
-            st = run_once(t, tree, &e[tree], &t->times[n]);
+            st = run_once(t, tree, n == 0, &e[tree], &t->times[n]);
         e[tree].ms = 1e3 * bench_median(t->times, t->job->runs, &e[tree].spread);
         e[tree].spread *= 1e3;
         if (tree != KDTREE && st == ST_OK)

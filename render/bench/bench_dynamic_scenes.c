@@ -97,7 +97,7 @@ static void turn_about(double p[3], double z, double angle) {
 
 /* rest: beside the limb's joint. Both bones move a vertex; near the middle it goes by both. */
 static void walk(const dynamic_scene *s, double phase, float (*positions)[3]) {
-    const double beat = sine(2.0 * TURN * phase);
+    const double beat = sine(2.25 * TURN * phase);
     for (uint32_t i = 0; i < s->vertices; i++) {
         const limb *l = &LIMBS[s->part[i]];
         const double share = -(double)s->rest[i][2] / l->length;

@@ -149,13 +149,14 @@ static void same_pixels(const picture *a, const picture *b) {
  * orthographic camera; twice at places, coloured by value, beside each other. */
 enum { PLAIN, LIT, CLEAR, TWICE, LOOKS };
 
-static void draw(leafcast *v, int look, picture *to) {
+static void draw(leafcast *v, int look, uint32_t of, picture *to) {
     static const leafcast_transfer_point points[2] = {{0.0, {0.1, 0.2, 0.9}, 0.0},
                                                       {1.0, {0.9, 0.3, 0.1}, 0.0}};
     static const leafcast_medium map = {points, 2};
     static const double aside[12] = {0, -1, 0, 2.5, 1, 0, 0, 0, 0, 0, 0.5, 1};
     leafcast_surface surface = leafcast_surface_default(0.0);
-    leafcast_shown shown[2] = {{.volume = v, .surfaces = &surface, .count = 1}, {.volume = NULL}};
+    leafcast_shown shown[2] = {{.volume = v, .field = of, .surfaces = &surface, .count = 1},
+                               {.volume = NULL}};
     leafcast_scene scene = leafcast_scene_default();
     leafcast_camera c = leafcast_standard_view(v, 1.6, PICTURE_WIDTH, PICTURE_HEIGHT);
     leafcast_stats stats = {.size = sizeof stats};
@@ -183,11 +184,11 @@ static void draw(leafcast *v, int look, picture *to) {
     pictures_draw(v, &scene, &c, to, &stats);
 }
 
-static void same_pictures(leafcast *moved, leafcast *fresh) {
+static void same_pictures(leafcast *moved, leafcast *fresh, uint32_t of) {
     static picture is, want;
     for (int look = 0; look < LOOKS; look++) {
-        draw(moved, look, &is);
-        draw(fresh, look, &want);
+        draw(moved, look, of, &is);
+        draw(fresh, look, of, &want);
         same_pixels(&is, &want);
     }
 }
@@ -365,7 +366,7 @@ static void test_pictures(void **state) {
                 fine(leafcast_select_set(v, of, 0));
                 fine(leafcast_select_set(fresh, of, 0));
                 same_facts(v, fresh);
-                same_pictures(v, fresh);
+                same_pictures(v, fresh, of);
             }
             leafcast_close(fresh);
         }
@@ -580,8 +581,8 @@ static void test_errors(void **state) {
     t.of.field = NULL;
     /* Neither kind of volume in memory is the other. */
     refused(leafcast_commit(v, 0.0), LEAFCAST_USAGE, "leafcast_open_live");
-    const leafcast_grid grid = {.size = sizeof grid, .dims = {4, 4, 4}, .type = LEAFCAST_U8};
-    fine(leafcast_open_live(&grid, NULL, &none));
+    const leafcast_grid some = {.size = sizeof some, .dims = {4, 4, 4}, .type = LEAFCAST_U8};
+    fine(leafcast_open_live(&some, NULL, &none));
     refused(leafcast_update_vertices(none, (const float(*)[3])t.xyz, t.of.vertex_count),
             LEAFCAST_USAGE, "leafcast_open_triangles");
     leafcast_close(none);
@@ -604,7 +605,7 @@ static void test_memory(void **state) {
     leafcast *v = open_tube(&t, NULL);
     leafcast_options o = {.size = sizeof o, .threads = 2, .memory = 600 << 10};
     leafcast *small = NULL;
-    draw(v, LIT, &want);
+    draw(v, LIT, 1, &want);
     refused(leafcast_open_triangles(&t.of, &o, &small), LEAFCAST_NOMEM, "bytes would do");
     const char *told = strstr(leafcast_error_text(), "vertices: ");
     assert_non_null(told);
@@ -617,7 +618,7 @@ static void test_memory(void **state) {
     for (int k = 0; k < 2; k++) {
         bend(&t, k ? 0.0 : 0.3);
         move(small, &t);
-        draw(small, LIT, &is);
+        draw(small, LIT, 1, &is);
     }
     same_pixels(&is, &want);
     leafcast_close(small);
