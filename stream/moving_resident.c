@@ -1,6 +1,7 @@
-/* moving_resident.c - treelets of a moving surface, for a loader. */
-#include "stream/hex_resident.h"
+#include "stream/moving_resident.h"
+
 #include "stream/moving_surface.h"
+#include "stream/triangle_resident.h"
 
 /* What a field's treelet is at a step. Masks do not know positions: they stay. */
 static void look_at(const moving_surface *s, treelet *tr, uint32_t set) {
@@ -25,7 +26,7 @@ static size_t nothing(const resident_store *s) {
 /* What the surface itself takes is counted with its volume. */
 static size_t bytes(const resident_store *s, uint32_t t) {
     (void)s, (void)t;
-    return sizeof(resident_triangles);
+    return sizeof(resident_triangles) + 128;
 }
 
 static size_t shared_bytes(const resident_store *s, uint32_t t) {
@@ -47,12 +48,14 @@ static uint32_t ahead(const resident_store *s, uint32_t set, uint32_t t,
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
                    const treelet *earlier, resident_scratch *scratch, treelet **out,
                    uint64_t *read) {
-    const moving_surface *of = s->file->moving;
-    treelet *tr = &of->treelets[t].resident[set / s->file->layout.steps].hexes.head;
+    resident_triangles *tr = mem_zalloc(s->m, sizeof *tr);
     (void)shared, (void)earlier, (void)scratch, (void)read;
-    *tr = (treelet){.id = t, .bytes = bytes(s, t)};
-    look_at(of, tr, set);
-    *out = tr;
+    if (!tr)
+        return ST_NOMEM;
+    *out = &tr->hexes.head;
+    (*out)->id = t;
+    (*out)->bytes = bytes(s, t);
+    look_at(s->file->moving, *out, set);
     return ST_OK;
 }
 
@@ -70,8 +73,12 @@ static bool keep(const resident_store *s, treelet *tr) {
     return true;
 }
 
-static void leave(const resident_store *s, treelet *tr) {
+static void strip(const resident_store *s, treelet *tr) {
     (void)s, (void)tr;
+}
+
+static void destroy(const resident_store *s, treelet *tr) {
+    mem_free(s->m, tr);
 }
 
 static void mask(const resident_store *s, treelet *tr, const interest *in) {
@@ -89,6 +96,6 @@ const resident_kind moving_resident = {.boxes = hex_resident_boxes,
                                        .same = same,
                                        .adopt = adopt,
                                        .keep = keep,
-                                       .strip = leave,
-                                       .destroy = leave,
+                                       .strip = strip,
+                                       .destroy = destroy,
                                        .mask = mask};

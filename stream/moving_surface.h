@@ -16,7 +16,7 @@
 #include "formats/base/pool.h"
 #include "formats/leaf/leaf_file.h"
 #include "stream/moving_order.h"
-#include "stream/triangle_resident.h"
+#include "stream/triangle_blocks.h"
 
 enum {
     MOVING_STEPS = 2,
@@ -29,7 +29,6 @@ enum {
 typedef struct moving_treelet {
     size_t first;
     triangle_blocks at[MOVING_STEPS];
-    resident_triangles resident[MOVING_FIELDS_MAX]; /* what a loader gets */
 } moving_treelet;
 
 typedef struct moving_surface {
@@ -61,9 +60,5 @@ CHECKED status moving_surface_put(moving_surface *s, uint32_t step, const float 
 
 /* moving_surface_find() - where a triangle of the host's is: its treelet, and *local in there. */
 uint32_t moving_surface_find(const moving_surface *s, uint64_t number, uint32_t *local);
-
-/* The row of resident.h for such a surface: nothing is read, and another step has other pointers.
- */
-extern const resident_kind moving_resident;
 
 #endif

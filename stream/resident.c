@@ -4,7 +4,7 @@
 #include "stream/grid_resident.h"
 #include "stream/mesh_resident.h"
 #include "stream/mixed_resident.h"
-#include "stream/moving_surface.h"
+#include "stream/moving_resident.h"
 #include "stream/triangle_resident.h"
 
 const resident_kind *resident_kind_of(const leaf_file *f) {

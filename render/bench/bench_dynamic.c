@@ -15,7 +15,7 @@
  *   refit ms   an update, by one thread, CPU time, median over the poses; best: wall-clock time of
  *              the fastest, by job->threads
  *   ms         CPU time of a picture's depths, or of its rays, by one thread, median over runs
- *   nodes/ray  of boxes: eight children each are looked at; of the kd-tree two
+ *   nodes/ray  of boxes: eight children each are looked at; of the kd-tree two; of tiles "-"
  *   cost       how many boxes of nodes a random line meets (surfaces of boxes beside the whole's)
  *   MB         that rays look at, beside triangles
  *   differ     rays whose hit is not that of the boxes built anew, or is of another triangle */
@@ -296,8 +296,13 @@ static void add_row(const trial *t, int state, int tree, const entrant *e) {
     bench_table_add(table, "%.2f", e->ms);
     bench_table_add(table, "%.2f", e->spread);
     bench_table_add(table, "%.1f", 1e3 / e->ms);
-    bench_table_add(table, "%.2f", e->nodes);
-    bench_table_add(table, "%.2f", e->triangles);
+    /* Counts of tiles depend on the width of vectors. */
+    for (int i = 0; i < 2 && tree == TILES; i++)
+        bench_table_add(table, "-");
+    if (tree != TILES)
+        bench_table_add(table, "%.2f", e->nodes);
+    if (tree != TILES)
+        bench_table_add(table, "%.2f", e->triangles);
     bench_table_add(table, "%.2f", e->cost);
     bench_table_add(table, "%.3f", 1e-6 * e->bytes);
     bench_table_add(table, "%llu", (unsigned long long)e->hits);

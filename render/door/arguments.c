@@ -6,11 +6,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "formats/leaf/triangle_geometry.h"
 #include "formats/public_grid.h"
 #include "formats/public_status.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_volume.h"
+#include "render/door/moving_arguments.h"
 #include "render/experiments/preintegrated_table.h"
 #include "render/leafcast_experimental.h"
 #include "render/look/samples.h"
@@ -419,39 +419,6 @@ static status slice_together(const void *of) {
 static const public_fields slice_table =
     PUBLIC_TABLE(leafcast_slice_pixels, slice_rows, .together = slice_together);
 
-/* ---- Triangles that move ---- */
-
-static const public_field triangles_rows[] = {
-    PUBLIC_OWN_SIZE(leafcast_triangles),
-    PUBLIC_NUMBER(leafcast_triangles, vertex_count, 1, LEAFCAST_TRIANGLES_MAX, 0),
-    PUBLIC_NUMBER(leafcast_triangles, triangle_count, 1, LEAFCAST_TRIANGLES_MAX, 0),
-    {PUBLIC_MEMBER(leafcast_triangles, vertices), .type = PUBLIC_POINTER, .values = 1,
-     .counted_by = "vertex_count"},
-    {PUBLIC_MEMBER(leafcast_triangles, triangles), .type = PUBLIC_POINTER, .values = 1,
-     .counted_by = "triangle_count"},
-    PUBLIC_PLACE(leafcast_triangles, values, PUBLIC_OR_NULL),
-    PUBLIC_PLACE(leafcast_triangles, colours, PUBLIC_OR_NULL),
-    PUBLIC_PLACE(leafcast_triangles, field, PUBLIC_OR_NULL),
-};
-
-/* Vertices are checked where they are copied. */
-static status triangles_together(const void *of) {
-    const leafcast_triangles *s = of;
-    if (s->field && strcmp(s->field, TRIANGLE_COLOURS) == 0)
-        return status_describe(ST_USAGE, "leafcast_triangles.field is \"%s\", the name of colours",
-                               s->field);
-    for (uint32_t i = 0; i < s->triangle_count; i++)
-        for (int k = 0; k < TRIANGLE_CORNERS; k++)
-            if (s->triangles[i][k] >= s->vertex_count)
-                return status_describe(
-                    ST_USAGE, "leafcast_triangles.triangles[%u][%d] is %u: vertices are 0 to %u", i,
-                    k, s->triangles[i][k], s->vertex_count - 1);
-    return ST_OK;
-}
-
-static const public_fields triangles_table =
-    PUBLIC_TABLE(leafcast_triangles, triangles_rows, .together = triangles_together);
-
 /* ---- What the library fills ---- */
 
 static const public_fields info_table = PUBLIC_WRITTEN(leafcast_info),
@@ -487,7 +454,7 @@ const public_fields *const *arguments_tables(int *count) {
                                                   &cell_table,
                                                   &sample_table,
                                                   &slice_table,
-                                                  &triangles_table,
+                                                  &moving_arguments_table,
                                                   &experiments_table,
                                                   &transfer_point_table,
                                                   &scene_experiments_table};
@@ -524,10 +491,6 @@ status arguments_check_values(const char *call, const leafcast *v) {
 
 status arguments_check_options(const leafcast_options *o) {
     return public_fields_check(&options_table, o);
-}
-
-status arguments_check_triangles(const leafcast_triangles *triangles) {
-    return public_fields_check(&triangles_table, triangles);
 }
 
 status arguments_check_surfaces(const leafcast_surface *surfaces, int count) {

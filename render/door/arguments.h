@@ -26,7 +26,6 @@ CHECKED status arguments_check_device(const char *call, const leafcast_device *d
 CHECKED status arguments_check_values(const char *call, const leafcast *v);
 
 CHECKED status arguments_check_options(const leafcast_options *options);
-CHECKED status arguments_check_triangles(const leafcast_triangles *triangles);
 CHECKED status arguments_check_scene(const leafcast_scene *scene);
 CHECKED status arguments_check_surfaces(const leafcast_surface *surfaces, int count);
 CHECKED status arguments_check_camera(const leafcast_camera *camera);

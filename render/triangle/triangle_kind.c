@@ -11,6 +11,7 @@
 #include "render/walk/cell_walks.h"
 #include "render/walk/tree_points.h"
 #include "stream/moving_surface.h"
+#include "stream/triangle_resident.h"
 
 static const triangle_blocks *blocks_of(const treelet *at) {
     return &resident_triangles_of(at)->blocks;

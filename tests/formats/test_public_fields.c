@@ -298,7 +298,8 @@ static void test_wrong_fields(void **state) {
                  {CALLS_SLICE, "leafcast_slice_pixels", 1},
                  {CALLS_CONVERT_OPTIONS, "leafcast_convert_options", 1},
                  {CALLS_GRID, "leafcast_grid", 1},
-                 {CALLS_TETS, "leafcast_tets", 1}};
+                 {CALLS_TETS, "leafcast_tets", 1},
+                 {CALLS_TRIANGLES, "leafcast_triangles", 1}};
     walk w = {.lab = *state};
     public_calls_draw(w.lab, w.z);
     for (size_t i = 0; i < sizeof given / sizeof *given; i++) {

@@ -244,7 +244,7 @@ static void back(const float p[3], double phase, field_random *r, float to[3]) {
 
 static motion *const motions[] = {rigid, bent, noisy,        scattered, flattened,
                                   noisy, back, in_one_place, back};
-enum { MOTIONS = sizeof motions / sizeof *motions, RAYS = SLOW ? 20 : 250 };
+enum { MOTIONS = sizeof motions / sizeof *motions, RAYS = SLOW ? 20 : 150 };
 
 static triangle_lab lab;
 

@@ -1,9 +1,10 @@
-/* leafcast_dynamic.c - surfaces of triangles whose vertices a running program moves. */
+/* leafcast_moving.c - surfaces of triangles whose vertices a running program moves. */
 #include <string.h>
 
 #include "render/door/arguments.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_volume.h"
+#include "render/door/moving_arguments.h"
 #include "stream/moving_surface.h"
 
 /* ---- Opening ---- */
@@ -29,7 +30,7 @@ leafcast_status leafcast_open_triangles(const leafcast_triangles *triangles,
                                         const leafcast_options *options, leafcast **volume) {
     status st = public_needs(__func__, "triangles volume", (const void *[]){triangles, volume});
     if (st == ST_OK)
-        st = arguments_check_triangles(triangles);
+        st = moving_arguments_check(triangles);
     return st == ST_OK ? volume_open_by(open_triangles, triangles, options, volume)
                        : public_status(st);
 }
