@@ -27,7 +27,7 @@ enum { BUILT, MOVED, ANEW };
 enum { TILES, RAYS, KDTREE, TREES };
 
 static const char *const state_names[STATES] = {"built", "moved", "anew"};
-static const char *const tree_names[TREES] = {"boxes, tiles", "boxes, rays", "bounded kd"};
+static const char *const tree_names[TREES] = {"boxes/tiles", "boxes/rays", "bounded kd"};
 
 typedef struct entrant {
     double build, refit, best, ms, spread, nodes, triangles, cost, bytes;
@@ -172,7 +172,7 @@ static void look_at_boxes(const leafcast *v, entrant *e) {
     e->cost = surfaces_of(all);
     e->bytes = (double)treelet_tree_bytes(s->treelet_count);
     for (uint32_t t = 0; t < s->treelet_count; t++) {
-        const triangle_blocks *b = &s->treelets[t].at[v->step];
+        const triangle_blocks *b = &s->treelets[t].at[leaf_layout_step(&v->file->layout, v->set)];
         e->cost += surfaces_of(&b->tree);
         e->bytes += (double)triangle_blocks_bytes(&b->shape);
     }

@@ -286,7 +286,7 @@ static uint32_t steps_of(const leafcast *v) {
 static void tell_steps(const leafcast *v, leafcast_info *info) {
     live_hold h;
     const uint32_t step = volume_hold(v, 0, &h);
-    const leafcast held = {.file = v->file, .kind = v->kind, .space = v->space, .step = step};
+    const leafcast held = {.file = v->file, .kind = v->kind, .space = v->space, .set = step};
     (v->live ? &held : v)->kind->describe(v->live ? &held : v, info);
     const leaf_header *head = &v->file->header;
     const float *now = v->file->ranges[leaf_layout_samples(&v->file->layout, step, 0)];

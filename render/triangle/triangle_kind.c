@@ -21,8 +21,13 @@ static const triangle_blocks *blocks_of(const treelet *at) {
 
 CPU_KERNELS(tile_fn, triangle_tile_kernels, NULL, triangle_tile);
 
+/* The box of what is shown. */
+static const float *bounds_of(const leafcast *v) {
+    return leaf_file_bounds(v->file, leaf_layout_step(&v->file->layout, v->set));
+}
+
 static status triangle_project(leafcast *v, const struct camera *c, struct projection *out) {
-    box_projection_init(out, leaf_file_bounds(v->file, v->step), c);
+    box_projection_init(out, bounds_of(v), c);
     return ST_OK;
 }
 
@@ -59,7 +64,7 @@ static void triangle_aim(leafcast *v, const leafcast_scene *scene, const struct 
     const leaf_file *f = v->file;
     const uint32_t shown = v->set / f->layout.steps;
     (void)scene, (void)c;
-    box3_of_floats(leaf_file_bounds(f, v->step), tr->box);
+    box3_of_floats(bounds_of(v), tr->box);
     /* Between two steps packed numbers are not those of colours. */
     tr->coloured = !f->below && strcmp(leaf_file_field_name(f, shown), TRIANGLE_COLOURS) == 0;
 }

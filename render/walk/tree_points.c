@@ -36,7 +36,7 @@ void tree_span(const leafcast *v, uint32_t t, double span[2][3]) {
 }
 
 void tree_describe(const leafcast *v, double share, leafcast_info *info) {
-    const float *bounds = leaf_file_bounds(v->file, v->step);
+    const float *bounds = leaf_file_bounds(v->file, leaf_layout_step(&v->file->layout, v->set));
     for (int a = 0; a < 3; a++) {
         info->bounds[0][a] = (double)bounds[a];
         info->bounds[1][a] = (double)bounds[a + 3];

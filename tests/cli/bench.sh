@@ -154,9 +154,9 @@ ok "dynamic: every tree, every state, and the same hits" csv "$tmp/all/dynamic.c
      len({(r["scene"], r["state"], r["hits"]) for r in t}) == 12'
 ok "dynamic: a walk keeps neighbours together, an explosion does not" csv "$tmp/all/dynamic.csv" \
     'all(float(a["nodes/ray"]) < 1.5 * float(b["nodes/ray"]) for a in t for b in t
-         if a["scene"] == b["scene"] == "walker" and a["tree"] == b["tree"] == "boxes, rays" and (a["state"], b["state"]) == ("moved", "anew")) and
+         if a["scene"] == b["scene"] == "walker" and a["tree"] == b["tree"] == "boxes/rays" and (a["state"], b["state"]) == ("moved", "anew")) and
      all(float(a["nodes/ray"]) > 2 * float(b["nodes/ray"]) for a in t for b in t
-         if a["scene"] == b["scene"] == "explosion" and a["tree"] == b["tree"] != "boxes, tiles" and (a["state"], b["state"]) == ("moved", "anew"))'
+         if a["scene"] == b["scene"] == "explosion" and a["tree"] == b["tree"] != "boxes/tiles" and (a["state"], b["state"]) == ("moved", "anew"))'
 exits "dynamic takes no file" 2 "$leafcast" bench dynamic "$leaf" --iso 128
 judge_time4d() { # judge_time4d FILE SERIES
     ok "time4d: every order finds the same, and something" csv "$1" \

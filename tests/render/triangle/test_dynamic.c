@@ -359,14 +359,19 @@ static void test_pictures(void **state) {
         leafcast *v = open_tube(&t, &o);
         assert_true(leafcast_describe(v).treelets > 1);
         for (int k = 1; k <= 3; k++) {
-            bend(&t, k == 3 ? 0.0 : 0.2 * k);
-            move(v, &t);
+            const double phase = k == 3 ? 0.0 : 0.2 * k;
+            bend(&t, phase);
             leafcast *fresh = open_tube(&t, NULL);
             for (uint32_t of = 0; of < 2; of++) {
+                bend(&t, phase + 0.5);
+                move(v, &t);
                 fine(leafcast_select_set(v, of, 0));
                 fine(leafcast_select_set(fresh, of, 0));
-                same_facts(v, fresh);
+                /* The picture is the first call that comes to know of the positions. */
+                bend(&t, phase);
+                move(v, &t);
                 same_pictures(v, fresh, of);
+                same_facts(v, fresh);
             }
             leafcast_close(fresh);
         }
