@@ -9,8 +9,9 @@
  *     leafcast_trace(volume, &scene, &camera, &image, &stats, NULL, NULL);
  *     leafcast_close(volume);
  *
- * leafcast_look.h has scenes, cameras and suggestions; leafcast_prep.h makes such files. No
- * globals, no output, no exit. Vectors are (x, y, z), in world space unless said otherwise.
+ * leafcast_look.h has scenes, cameras and suggestions; leafcast_dynamic.h triangles that move;
+ * leafcast_prep.h makes such files. No globals, no output, no exit. Vectors are (x, y, z), in world
+ * space unless said otherwise.
  *
  * Errors. Every call that can fail returns a leafcast_status; leafcast_error_text() then says more,
  * for the calling thread. A volume stays usable after any failure: the next call starts afresh.
@@ -53,6 +54,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <leafcast_dynamic.h>
 #include <leafcast_grid.h>
 #include <leafcast_look.h>
 #include <leafcast_status.h>
@@ -450,13 +452,11 @@ typedef struct leafcast_stats {
     /* Media: how far the provisional pixels may be off, by image.error. 0: there are no such
      * pixels. */
     double provisional_error_mean, provisional_error_most;
-    /* Meshes whose rays go from tet to tet (leafcast_options.neighbours): tets passed so, and
-     * Pluecker tests. */
+    /* Of leafcast_options.neighbours: tets passed from tet to tet, and Pluecker tests. */
     uint64_t passed_tets, edge_tests;
     uint64_t bytes_read_ever; /* for treelets, since the volumes were opened */
-    uint64_t objects; /* questions that rays asked of an object, one by one or in batches: from the
-                         eye, unless in whole tiles, and towards lights. A ray that waited asks anew
-                       */
+    uint64_t objects; /* questions that rays asked of an object, alone or in batches: from the eye,
+                         but for whole tiles, and to lights. A ray that waited asks anew */
 } leafcast_stats;
 
 /* leafcast_check_room() - whether the memory budget has room for this picture. No plane need exist

@@ -4,6 +4,7 @@
 #include "stream/grid_resident.h"
 #include "stream/mesh_resident.h"
 #include "stream/mixed_resident.h"
+#include "stream/moving_resident.h"
 #include "stream/triangle_resident.h"
 
 const resident_kind *resident_kind_of(const leaf_file *f) {
@@ -15,5 +16,5 @@ const resident_kind *resident_kind_of(const leaf_file *f) {
         [LEAF_KIND_TRIANGLES] = &triangle_resident,
         [LEAF_KIND_HEIGHTS] = &grid_resident,
     };
-    return kinds[f->header.kind];
+    return f->moving ? &moving_resident : kinds[f->header.kind];
 }

@@ -18,9 +18,8 @@ static uint32_t triangles_in(const triangle_blocks *b, uint32_t block) {
 }
 
 status triangle_blocks_init(triangle_blocks *b, mem *m, const triangle_shape *s,
-                            const void *topology, const void *places) {
-    *b = (triangle_blocks){
-        .shape = *s, .rows = triangle_rows(s, topology), .blocks = block_count(s), .m = m};
+                            const uint16_t (*rows)[3], const void *places) {
+    *b = (triangle_blocks){.shape = *s, .rows = rows, .blocks = block_count(s), .m = m};
     for (int a = 0; a < 3; a++)
         b->p[a] = triangle_coordinates(s, places, a);
     b->active = mem_zalloc(m, b->blocks * sizeof *b->active);

@@ -16,6 +16,8 @@ enum { TRIANGLE_BLOCK = 8 };
 typedef struct triangle_blocks {
     triangle_shape shape;
     uint64_t first;            /* number of its first triangle in the whole file */
+    const uint32_t *numbers;   /* of all its triangles, where these do not follow from the first;
+                                  else NULL */
     const float *p[3];         /* a coordinate of all vertices, at its step */
     const float *values;       /* of all vertices */
     const uint16_t (*rows)[3]; /* of the triangles */
@@ -25,11 +27,11 @@ typedef struct triangle_blocks {
     mem *m;
 } triangle_blocks;
 
-/* triangle_blocks_init() - make the tree of a treelet. topology and places must outlive it; rows
- * have vertices of the treelet. triangle_blocks_bytes() - the memory that takes from m.
+/* triangle_blocks_init() - make the tree of a treelet. rows and places must outlive it; rows have
+ * vertices of the treelet. triangle_blocks_bytes() - the memory that takes from m.
  * triangle_blocks_move() - coordinates are there, finite, or other ones: set boxes. */
 CHECKED status triangle_blocks_init(triangle_blocks *b, mem *m, const triangle_shape *s,
-                                    const void *topology, const void *places);
+                                    const uint16_t (*rows)[3], const void *places);
 size_t triangle_blocks_bytes(const triangle_shape *s);
 void triangle_blocks_release(triangle_blocks *b);
 void triangle_blocks_move(triangle_blocks *b);
@@ -41,5 +43,10 @@ void triangle_blocks_fill(triangle_blocks *b, const float *values);
 /* triangle_blocks_select() - activate the triangles whose values meet an interest: all of them
  * finite (interest.h). */
 void triangle_blocks_select(triangle_blocks *b, const interest *in);
+
+/* triangle_blocks_number() - the number of a triangle in the whole file. */
+static inline uint64_t triangle_blocks_number(const triangle_blocks *b, uint32_t i) {
+    return b->numbers ? b->numbers[i] : b->first + i;
+}
 
 #endif

@@ -17,7 +17,8 @@ static size_t bytes(const leaf_file *f, uint32_t t) {
 
 static status make(resident_hexes *tr, mem *m, const hex_treelet *h) {
     const triangle_shape shape = shape_of(h->f, h->id);
-    const status st = triangle_blocks_init(blocks_of(tr), m, &shape, h->topology, h->places);
+    const status st = triangle_blocks_init(blocks_of(tr), m, &shape,
+                                           triangle_rows(&shape, h->topology), h->places);
     if (st == ST_OK)
         blocks_of(tr)->first = triangle_directory_of(h->f)->first[h->id];
     return st;

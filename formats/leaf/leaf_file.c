@@ -222,7 +222,7 @@ static status allocate_directory(leaf_file *f) {
 }
 
 status leaf_file_allocate_changing(leaf_file *f) {
-    f->names = mem_array(f->m, 1, sizeof *f->names);
+    f->names = mem_array(f->m, f->header.fields, sizeof *f->names);
     f->times = mem_array(f->m, f->layout.sets, sizeof *f->times);
     f->versions = mem_array(f->m, f->layout.sets, sizeof *f->versions);
     const bool whole = f->names && f->times && f->versions;
@@ -546,6 +546,7 @@ void leaf_file_close(leaf_file *f) {
     mem_free(f->m, f->names);
     mem_free(f->m, f->times);
     mem_free(f->m, f->versions);
+    mem_free(f->m, f->step_bounds);
     mem_free(f->m, f->between);
     outside_samples_close(f->samples);
     live_samples_destroy(f->live);

@@ -60,6 +60,9 @@ typedef struct leaf_file {
     struct outside_samples *samples; /* and the files that they name */
     struct live_samples *live;       /* of a grid that changes in memory (leaf_live.h), or NULL; */
     uint64_t *versions;              /* and per set: how often it has changed */
+    /* Of triangles that move in memory (stream/moving_surface.h), or NULL: */
+    const struct moving_surface *moving;
+    float (*step_bounds)[6]; /* and the box at each step, instead of the header's */
     /* Of one that lies between the steps of another (leaf_between.h), else NULL: that one, and what
      * its sets are. */
     struct leaf_file *below;
@@ -117,9 +120,9 @@ CHECKED status leaf_file_open_first(mem *m, const char *path, const leaf_header 
 CHECKED status leaf_file_newer(const leaf_file *f, leaf_file **out);
 void leaf_file_exchange(leaf_file *f, leaf_file *newer);
 
-/* leaf_file_allocate_changing() - make the directory's arrays, all zero, of a grid's file that
- * never was one: its layout is there, of one field; its sets change (versions). On failure some are
- * there: leaf_file_close(). */
+/* leaf_file_allocate_changing() - make the directory's arrays, all zero, of a file that never was
+ * one: its header and layout are there; its sets change (versions). On failure some are there:
+ * leaf_file_close(). */
 CHECKED status leaf_file_allocate_changing(leaf_file *f);
 
 /* leaf_file_number() - the number that a set has in entries of SAME and BASES of later segments.
@@ -158,6 +161,12 @@ bool leaf_file_is_implied(const leaf_file *f, uint32_t p);
 /* leaf_file_stores() - the file that has the payloads of f: f itself, or the one below. */
 static inline leaf_file *leaf_file_stores(leaf_file *f) {
     return f->below ? f->below : f;
+}
+
+/* leaf_file_bounds() - the box of a file without a map (mesh, triangles, ..): at all steps, or
+ * where it changes in memory at this one. */
+static inline const float *leaf_file_bounds(const leaf_file *f, uint32_t step) {
+    return f->step_bounds ? f->step_bounds[step] : f->header.bounds;
 }
 
 /* leaf_file_same() - whether payloads p and q, which hold the same of a treelet in two sets, are

@@ -1,6 +1,6 @@
 #include "prep/mesh/mesh_cut.h"
 
-#include "prep/mesh/mesh_morton.h"
+#include "formats/mesh/mesh_morton.h"
 
 /* Index of the first of records[low .. count) that does not share `bits` bits with records[0]. */
 static size_t end_of_node(const mesh_record *records, size_t count, int bits) {

@@ -4,7 +4,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#include "prep/mesh/mesh_morton.h"
+#include "formats/mesh/mesh_morton.h"
 #include "prep/mesh/mesh_pages.h"
 
 enum { BLOCK = 1 << 12, BLOCKS_MAX = 256 };

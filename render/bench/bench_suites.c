@@ -5,6 +5,7 @@
 #include "render/app/view_camera.h"
 #include "render/bench/bench_behind.h"
 #include "render/bench/bench_compression.h"
+#include "render/bench/bench_dynamic.h"
 #include "render/bench/bench_figure.h"
 #include "render/bench/bench_frames.h"
 #include "render/bench/bench_hexes.h"
@@ -177,6 +178,10 @@ static const bench_count UPDATE_COUNTS[] = {{"steps", 0.0}, {"treelets", 0.0}, {
 static const bench_count TIME4D_COUNTS[] = {
     {"leaves", 0.0},      {"step nodes", 0.0}, {"series nodes", 0.0}, {"sweep nodes", 0.0},
     {"first nodes", 0.0}, {"met", 0.0},        {"differ", 0.0},       {NULL, 0.0}};
+
+static const bench_count DYNAMIC_COUNTS[] = {
+    {"triangles", 0.0}, {"nodes/ray", 0.01}, {"triangles/ray", 0.01}, {"cost", 0.01},
+    {"MB", 0.0},        {"hits", 0.01},      {"differ", 0.0},         {NULL, 0.0}};
 
 /* Of suites that draw depths by the flags of the command line. */
 #define LOOK_FLAGS "size view eye look-at up fov clip-box clip-plane lod light point-light shadows"
@@ -411,6 +416,15 @@ static const bench_suite SUITES[] = {
      .charts = {{"series nodes", NULL, true},
                 {"sweep nodes", NULL, true},
                 {"sweep us", NULL, true}}},
+    {.name = "dynamic",
+     .takes = "",
+     .about = "triangles that move: refit and drawn, by boxes and by a bounded\n"
+              "kd-tree (M08 5.3, tables 5.8, 5.9)",
+     .counts = DYNAMIC_COUNTS,
+     .run = bench_dynamic,
+     .view = "size",
+     .labels = 4,
+     .charts = {{"ms", "+-", false}, {"refit ms", NULL, true}, {"nodes/ray", NULL, true}}},
     {.name = "lanes",
      .takes = "[F.leaf --iso V]",
      .about = "how full the vectors of tiles are, stage by stage",

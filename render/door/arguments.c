@@ -10,6 +10,7 @@
 #include "formats/public_status.h"
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_volume.h"
+#include "render/door/moving_arguments.h"
 #include "render/experiments/preintegrated_table.h"
 #include "render/leafcast_experimental.h"
 #include "render/look/samples.h"
@@ -478,6 +479,7 @@ const public_fields *const *arguments_tables(int *count) {
                                                   &cell_table,
                                                   &sample_table,
                                                   &slice_table,
+                                                  &moving_arguments_table,
                                                   &experiments_table,
                                                   &transfer_point_table,
                                                   &scene_experiments_table};

@@ -33,7 +33,7 @@ leafcast_status leafcast_open_live(const leafcast_grid *from, const leafcast_opt
 
 static status check_live(const char *call, const leafcast *v) {
     const status st = arguments_check_volume(call, v);
-    if (st != ST_OK || v->live)
+    if (st != ST_OK || v->file->live)
         return st;
     return status_describe(ST_USAGE, "%s(): the volume is not of leafcast_open_live()", call);
 }

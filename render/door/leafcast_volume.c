@@ -13,6 +13,7 @@
 #include "render/door/leafcast_volume.h"
 #include "render/frame/laboratory.h"
 #include "render/ray/kind.h"
+#include "stream/moving_surface.h"
 
 _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ISOVALUES_MAX, "as many isovalues as surfaces");
 
@@ -142,7 +143,9 @@ void volume_release(leafcast *v) {
     mem_free(v->m, v->stop);
     mem_free(v->m, v->touched);
     live_steps_destroy(v->live);
+    moving_surface *moving = v->file ? (moving_surface *)(uintptr_t)v->file->moving : NULL;
     leaf_file_close(v->file);
+    moving_surface_destroy(moving);
     pthread_rwlock_destroy(&v->steps);
     mem_free(&outside, v);
 }
@@ -278,18 +281,20 @@ static uint32_t steps_of(const leafcast *v) {
     return v->live ? 1 : v->file->header.steps;
 }
 
-/* What grows with the file, and the finite values of all that is shown: as the header says, but for
- * a live volume. */
+/* What grows with the file, what its kind tells of the step that is shown, and the finite values of
+ * all that is shown: as the header says, but for a live volume. */
 static void tell_steps(const leafcast *v, leafcast_info *info) {
     live_hold h;
     const uint32_t step = volume_hold(v, 0, &h);
+    const leafcast held = {.file = v->file, .kind = v->kind, .space = v->space, .set = step};
+    (v->live ? &held : v)->kind->describe(v->live ? &held : v, info);
     const leaf_header *head = &v->file->header;
     const float *now = v->file->ranges[leaf_layout_samples(&v->file->layout, step, 0)];
     info->steps = steps_of(v);
     info->file_bytes = head->file_bytes;
     info->payload_bytes = head->payload_bytes;
-    info->value_min = v->live ? (double)now[0] : head->value_min;
-    info->value_max = v->live ? (double)now[1] : head->value_max;
+    info->value_min = v->file->live ? (double)now[0] : head->value_min;
+    info->value_max = v->file->live ? (double)now[1] : head->value_max;
     volume_let_go(v, &h);
 }
 
@@ -322,7 +327,6 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
                             .time_unit = world->time_unit,
                             .cell_size = 1.0};
     tell_steps(v, info);
-    v->kind->describe(v, info);
     return LEAFCAST_OK;
 }
 
@@ -385,15 +389,16 @@ leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) 
     status st = arguments_check_volume(__func__, v);
     if (st == ST_OK)
         st = volume_check_set(v, field, step);
-    if (st != ST_OK || v->live)
-        return public_status(st); /* a live volume has but one */
-    device_lock(v->device);
+    if (st != ST_OK)
+        return public_status(st);
+    live_hold h;
+    volume_lock(v, &h);
     v->field = field;
-    v->step = step;
+    v->step = v->live ? v->step : step;
     v->share = 0.0;
-    loader_select_set(v->treelets, leaf_layout_set(&v->file->layout, field, step));
+    loader_select_set(v->treelets, leaf_layout_set(&v->file->layout, field, v->step));
     loader_reset_statistics(v->treelets);
-    device_unlock(v->device);
+    volume_unlock(v, &h);
     return LEAFCAST_OK;
 }
 

@@ -81,27 +81,37 @@ static status wait_for(live_steps *s, uint32_t *step) {
     return st;
 }
 
+status live_steps_begin(live_steps *s, uint32_t *step) {
+    pthread_mutex_lock(&s->writing);
+    const status st = wait_for(s, step);
+    if (st != ST_OK)
+        pthread_mutex_unlock(&s->writing);
+    return st;
+}
+
+void live_steps_end(live_steps *s, uint32_t step, bool show) {
+    pthread_mutex_lock(&s->lock);
+    s->current = show ? step : s->current;
+    pthread_mutex_unlock(&s->lock);
+    pthread_mutex_unlock(&s->writing);
+}
+
 status live_steps_put(live_steps *s, const live_region *r) {
     uint32_t step;
-    pthread_mutex_lock(&s->writing);
-    status st = wait_for(s, &step);
-    if (st == ST_OK)
-        st = leaf_live_put(s->file, step, r);
-    pthread_mutex_unlock(&s->writing);
+    status st = live_steps_begin(s, &step);
+    if (st != ST_OK)
+        return st;
+    st = leaf_live_put(s->file, step, r);
+    live_steps_end(s, step, false);
     return st;
 }
 
 status live_steps_commit(live_steps *s, double time) {
     uint32_t step;
-    pthread_mutex_lock(&s->writing);
-    status st = wait_for(s, &step);
-    if (st == ST_OK)
-        st = leaf_live_finish(s->file, step, time);
-    if (st == ST_OK) {
-        pthread_mutex_lock(&s->lock);
-        s->current = step;
-        pthread_mutex_unlock(&s->lock);
-    }
-    pthread_mutex_unlock(&s->writing);
+    status st = live_steps_begin(s, &step);
+    if (st != ST_OK)
+        return st;
+    st = leaf_live_finish(s->file, step, time);
+    live_steps_end(s, step, st == ST_OK);
     return st;
 }

@@ -85,7 +85,8 @@ static void walk_triangles(flat_batch *w, const treelet *at) {
             for (int a = 0; a < 3; a++)
                 p[k][a] = x.p[k][a][lane];
         lines_of_points((const float(*)[3])p, TRIANGLE_CORNERS, &lines);
-        walk_cell(w, at, lane, (hit_of){b->first + l->local[lane], 0}, &lines, rays);
+        walk_cell(w, at, lane, (hit_of){triangle_blocks_number(b, l->local[lane]), 0}, &lines,
+                  rays);
     }
     empty_cells(w);
 }
@@ -111,7 +112,9 @@ static void batch_treelet(flat_batch *w, const treelet *at, uint32_t beams) {
 static surface_point batch_point(const flat_batch *w, const treelet *at, const ray *r,
                                  const hit *h) {
     const triangle_blocks *b = &resident_triangles_of(at)->blocks;
-    const triangle x = triangle_walk_one(b, (uint32_t)(h->cell - b->first));
+    uint32_t local;
+    (void)triangle_walk_place(w->tr->treelets->file, h->cell, &local);
+    const triangle x = triangle_walk_one(b, local);
     return triangle_point(&x, r, h, w->tr->coloured);
 }
 

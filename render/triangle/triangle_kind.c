@@ -22,8 +22,13 @@ static const triangle_blocks *blocks_of(const treelet *at) {
 CPU_KERNELS(tile_fn, triangle_tile_kernels, NULL, triangle_tile);
 CPU_KERNELS(batch_fn, triangle_batch_kernels, NULL, triangle_batch);
 
+/* The box of what is shown. */
+static const float *bounds_of(const leafcast *v) {
+    return leaf_file_bounds(v->file, leaf_layout_step(&v->file->layout, v->set));
+}
+
 static status triangle_project(leafcast *v, const struct camera *c, struct projection *out) {
-    box_projection_init(out, v->file->header.bounds, c);
+    box_projection_init(out, bounds_of(v), c);
     return ST_OK;
 }
 
@@ -63,7 +68,7 @@ static void triangle_aim(leafcast *v, const leafcast_scene *scene, const struct 
     const leaf_file *f = v->file;
     const uint32_t shown = v->set / f->layout.steps;
     (void)scene, (void)c;
-    box3_of_floats(v->file->header.bounds, tr->box);
+    box3_of_floats(bounds_of(v), tr->box);
     /* Between two steps packed numbers are not those of colours. */
     tr->coloured = !f->below && strcmp(leaf_file_field_name(f, shown), TRIANGLE_COLOURS) == 0;
 }
@@ -107,12 +112,12 @@ static void no_cell_in(const leafcast *v, const treelet *at, const double point[
 /* ---- Triangles ---- */
 
 static status find_triangle(leafcast *v, uint64_t number, triangle *out) {
-    const leaf_cells_directory *d = triangle_directory_of(v->file);
-    const uint32_t t = leaf_cells_treelet(d->first, v->file->layout.treelets, number);
+    uint32_t local;
+    const uint32_t t = triangle_walk_place(v->file, number, &local);
     const treelet *at;
     const status st = volume_treelet(v, t, &at);
     if (st == ST_OK)
-        *out = triangle_walk_one(blocks_of(at), (uint32_t)(number - d->first[t]));
+        *out = triangle_walk_one(blocks_of(at), local);
     return st;
 }
 

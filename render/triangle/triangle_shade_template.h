@@ -28,7 +28,7 @@ typedef struct triangle_shading {
 
 static uint64_t triangle_cell_of(const frame *f, const tile_surface *s) {
     (void)f;
-    return resident_triangles_of(s->at)->blocks.first + s->local;
+    return triangle_blocks_number(&resident_triangles_of(s->at)->blocks, s->local);
 }
 
 static bool triangle_comes_before(const hit *a, const hit *b) {

@@ -6,6 +6,10 @@
 #include "render/triangle/triangle_kernel.h"
 #include "stream/triangle_blocks.h"
 
+/* triangle_walk_place() - returns the treelet that a triangle of this number is in; *local: which
+ * one it is there. */
+uint32_t triangle_walk_place(const leaf_file *f, uint64_t number, uint32_t *local);
+
 /* triangle_walk_one() - a triangle of a treelet, with its values. */
 triangle triangle_walk_one(const triangle_blocks *b, uint32_t local);
 

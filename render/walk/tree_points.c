@@ -24,7 +24,7 @@ void tree_active_box(const leafcast *v, uint32_t set, const double *isovalues, i
             box3_widen(box, some[0], some[1]);
     }
     if (!box3_any(box))
-        box3_of_floats(v->file->header.bounds, box);
+        box3_of_floats(leaf_file_bounds(v->file, leaf_layout_step(l, set)), box);
     for (int i = 0; i < 8; i++)
         box3_corner(box, i, corners[i]);
 }
@@ -32,11 +32,11 @@ void tree_active_box(const leafcast *v, uint32_t set, const double *isovalues, i
 void tree_span(const leafcast *v, uint32_t t, double span[2][3]) {
     const uint32_t set = leaf_layout_set(&v->file->layout, v->field, v->step);
     const treelet_bounds *bounds = resident_kind_of(v->file)->boxes(v->file, set);
-    box3_share_of(bounds[t], v->file->header.bounds, span);
+    box3_share_of(bounds[t], leaf_file_bounds(v->file, v->step), span);
 }
 
 void tree_describe(const leafcast *v, double share, leafcast_info *info) {
-    const float *bounds = v->file->header.bounds;
+    const float *bounds = leaf_file_bounds(v->file, leaf_layout_step(&v->file->layout, v->set));
     for (int a = 0; a < 3; a++) {
         info->bounds[0][a] = (double)bounds[a];
         info->bounds[1][a] = (double)bounds[a + 3];

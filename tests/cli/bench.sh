@@ -148,6 +148,16 @@ ok "is refused for that" says 'no time series of a grid' err
 exits "of a single step" 3 "$leafcast" bench update "$leaf" --iso 128
 exits "update draws nothing" 2 "$leafcast" bench update --size 9x9
 # One tree over treelets and steps: whatever its order, it finds what a look at all ranges does.
+# Triangles that move: no tree finds anything else than boxes built anew do, wherever it was built.
+ok "dynamic: every tree, every state, and the same hits" csv "$tmp/all/dynamic.csv" \
+    'len(t) == 36 and all(r["differ"] == "0" and int(r["hits"]) > 50 for r in t) and
+     len({(r["scene"], r["state"], r["hits"]) for r in t}) == 12'
+ok "dynamic: a walk keeps neighbours together, an explosion does not" csv "$tmp/all/dynamic.csv" \
+    'all(float(a["nodes/ray"]) < 1.5 * float(b["nodes/ray"]) for a in t for b in t
+         if a["scene"] == b["scene"] == "walker" and a["tree"] == b["tree"] == "boxes/rays" and (a["state"], b["state"]) == ("moved", "anew")) and
+     all(float(a["nodes/ray"]) > 2 * float(b["nodes/ray"]) for a in t for b in t
+         if a["scene"] == b["scene"] == "explosion" and a["tree"] == b["tree"] != "boxes/tiles" and (a["state"], b["state"]) == ("moved", "anew"))'
+exits "dynamic takes no file" 2 "$leafcast" bench dynamic "$leaf" --iso 128
 judge_time4d() { # judge_time4d FILE SERIES
     ok "time4d: every order finds the same, and something" csv "$1" \
         "len(t) == 5 * $2"' and all(r["differ"] == "0" and int(r["met"]) > 10 for r in t) and

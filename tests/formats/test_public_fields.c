@@ -36,6 +36,7 @@ static const public_header *headers(void) {
     public_header_read(&h, "formats/leafcast_status.h");
     public_header_read(&h, "formats/leafcast_grid.h");
     public_header_read(&h, "render/leafcast.h");
+    public_header_read(&h, "render/leafcast_dynamic.h");
     public_header_read(&h, "render/leafcast_look.h");
     public_header_read(&h, "render/leafcast_experimental.h");
     public_header_read(&h, "prep/leafcast_prep.h");
@@ -297,7 +298,8 @@ static void test_wrong_fields(void **state) {
                  {CALLS_SLICE, "leafcast_slice_pixels", 1},
                  {CALLS_CONVERT_OPTIONS, "leafcast_convert_options", 1},
                  {CALLS_GRID, "leafcast_grid", 1},
-                 {CALLS_TETS, "leafcast_tets", 1}};
+                 {CALLS_TETS, "leafcast_tets", 1},
+                 {CALLS_TRIANGLES, "leafcast_triangles", 1}};
     walk w = {.lab = *state};
     public_calls_draw(w.lab, w.z);
     for (size_t i = 0; i < sizeof given / sizeof *given; i++) {

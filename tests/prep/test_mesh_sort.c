@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/mesh/mesh_morton.h"
 #include "prep/mesh/mesh_cut.h"
-#include "prep/mesh/mesh_morton.h"
 #include "prep/mesh/mesh_pages.h"
 #include "prep/mesh/mesh_runs.h"
 #include "tests/support/fields.h"

@@ -56,6 +56,17 @@ static leafcast_status commit_live(calls_lab *l) {
     return leafcast_commit(P(LIVE), l->x);
 }
 
+static leafcast_status open_triangles(calls_lab *l) {
+    const leafcast_status st = leafcast_open_triangles(P(TRIANGLES), P(OPTIONS), P(OUT));
+    if (st == LEAFCAST_OK)
+        leafcast_close(*(leafcast **)P(OUT));
+    return st;
+}
+
+static leafcast_status update_vertices(calls_lab *l) {
+    return leafcast_update_vertices(P(MOVING), P(POSITIONS), 4);
+}
+
 static leafcast_status get_info(calls_lab *l) {
     return leafcast_get_info(P(VOLUME), P(INFO));
 }
@@ -272,6 +283,9 @@ const public_call *public_calls(int *count) {
         {"leafcast_open_live", open_live, BIT(GRID) | BIT(OUT), BIT(GRID) | BIT(OPTIONS), 0, NULL},
         {"leafcast_update", update_live, BIT(LIVE) | BIT(SAMPLES), 0, 0, NULL},
         {"leafcast_commit", commit_live, BIT(LIVE), 0, 0, NULL},
+        {"leafcast_open_triangles", open_triangles, BIT(TRIANGLES) | BIT(OUT),
+         BIT(TRIANGLES) | BIT(OPTIONS), 0, NULL},
+        {"leafcast_update_vertices", update_vertices, BIT(MOVING) | BIT(POSITIONS), 0, 0, NULL},
         {"leafcast_get_info", get_info, BIT(VOLUME) | BIT(INFO), 0, BIT(INFO), NULL},
         {"leafcast_select", select_surfaces, BIT(VOLUME) | BIT(SURFACES), BIT(SURFACES), 0, NULL},
         {"leafcast_select_set", select_set, BIT(VOLUME), 0, 0, NULL},
@@ -386,6 +400,8 @@ static void set_up_prep(calls_lab *l) {
     static leafcast_convert_options options;
     static leafcast_grid grid;
     static leafcast_tets tets;
+    static leafcast_triangles triangles;
+    static const uint32_t rows[2][3] = {{0, 1, 2}, {1, 2, 3}}, colours[4] = {1, 2, 3, 4};
     static double to_world[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     static const float samples[8] = {1, 2, 3, 4, 5, 6, 7, 8};
     static const float vertices[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -401,6 +417,15 @@ static void set_up_prep(calls_lab *l) {
                            .vertices = vertices,
                            .values = samples,
                            .tets = ids};
+    triangles = (leafcast_triangles){.size = sizeof triangles,
+                                     .vertex_count = 4,
+                                     .triangle_count = 2,
+                                     .vertices = vertices,
+                                     .triangles = rows,
+                                     .values = samples,
+                                     .colours = colours};
+    l->p[CALLS_TRIANGLES] = &triangles;
+    l->p[CALLS_POSITIONS] = (void *)vertices;
     l->p[CALLS_CONVERT_OPTIONS] = &options;
     l->p[CALLS_GRID] = &grid;
     l->p[CALLS_TETS] = &tets;
@@ -505,6 +530,9 @@ void public_calls_set_up(calls_lab *l) {
     set_up_prep(l);
     assert_int_equal(leafcast_open_live(P(GRID), &options, (leafcast **)&l->p[CALLS_LIVE]),
                      LEAFCAST_OK);
+    assert_int_equal(
+        leafcast_open_triangles(P(TRIANGLES), &options, (leafcast **)&l->p[CALLS_MOVING]),
+        LEAFCAST_OK);
     set_up_pictures(l);
     set_up_places(l);
     assert_int_equal(leafcast_frame_begin(P(VOLUME), P(SCENE), P(CAMERA), P(IMAGE),
@@ -515,6 +543,7 @@ void public_calls_set_up(calls_lab *l) {
 void public_calls_tear_down(calls_lab *l) {
     leafcast_frame_end(P(FRAME));
     leafcast_close(P(LIVE));
+    leafcast_close(P(MOVING));
     leafcast_close(P(VOLUME));
     free(P(BYTES));
     field_release(&sphere);

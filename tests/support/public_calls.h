@@ -12,7 +12,8 @@ enum { CALLS_SIDE = 4, CALLS_SOME = 2 };
 /* What calls are given: structs, of which some point to others here, and arrays. */
 typedef enum calls_slot {
     CALLS_VOLUME,
-    CALLS_LIVE, /* a live volume */
+    CALLS_LIVE,   /* a live volume */
+    CALLS_MOVING, /* triangles that move */
     CALLS_FRAME,
     CALLS_OPTIONS,
     CALLS_SURFACES,
@@ -27,14 +28,16 @@ typedef enum calls_slot {
     CALLS_CONVERT_OPTIONS,
     CALLS_GRID,
     CALLS_TETS,
-    CALLS_PATH,    /* of a treelet file */
-    CALLS_BYTES,   /* of one */
-    CALLS_OUT,     /* pointers to what a call makes: a volume, a device, a frame */
-    CALLS_VECTOR,  /* an origin, a point, a plane */
-    CALLS_VECTOR2, /* a direction */
-    CALLS_NUMBERS, /* isovalues, values of a slice */
-    CALLS_COUNT,   /* to be filled */
-    CALLS_FOUND,   /* room for hits, samples, a histogram, a map */
+    CALLS_TRIANGLES,
+    CALLS_POSITIONS, /* of their vertices */
+    CALLS_PATH,      /* of a treelet file */
+    CALLS_BYTES,     /* of one */
+    CALLS_OUT,       /* pointers to what a call makes: a volume, a device, a frame */
+    CALLS_VECTOR,    /* an origin, a point, a plane */
+    CALLS_VECTOR2,   /* a direction */
+    CALLS_NUMBERS,   /* isovalues, values of a slice */
+    CALLS_COUNT,     /* to be filled */
+    CALLS_FOUND,     /* room for hits, samples, a histogram, a map */
     CALLS_DONE,
     CALLS_TEXT, /* the name of a field */
     CALLS_BLOCKS,

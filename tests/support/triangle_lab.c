@@ -159,8 +159,10 @@ static double distance(const float *p, const float *q) {
     return sqrt(square);
 }
 
-static void measure(triangle_lab *s) {
+void triangle_lab_measure(triangle_lab *s) {
     double lo[3], hi[3];
+    s->size = s->edge = 0.0;
+    memset(s->about, 0, sizeof s->about);
     for (int a = 0; a < 3; a++) {
         lo[a] = hi[a] = (double)s->xyz[0][a];
         for (uint32_t i = 1; i < s->points; i++) {
@@ -193,7 +195,7 @@ void triangle_lab_make(triangle_lab *s, int n, uint64_t seed) {
     memset(s, 0, sizeof *s);
     s->name = rows[n].name;
     rows[n].make(s, &r);
-    measure(s);
+    triangle_lab_measure(s);
 }
 
 /* ---- Rays ---- */

@@ -26,6 +26,9 @@ typedef struct triangle_lab {
 int triangle_lab_count(void);
 void triangle_lab_make(triangle_lab *s, int n, uint64_t seed);
 
+/* triangle_lab_measure() - points have moved: measure balls, middle, size and edge again. */
+void triangle_lab_measure(triangle_lab *s);
+
 /* triangle_lab_ray() - a ray that has a chance to meet the surface, often in an edge or a corner,
  * along an axis, or all but along a triangle. Direction of unit length. */
 void triangle_lab_ray(const triangle_lab *s, field_random *r, double o[3], double d[3]);

@@ -3,8 +3,8 @@
  * It is the centroid's place on a lattice of 2^21 cells along the longest edge of the points' box,
  * bits interleaved: 63 bits, the same on any machine.
  */
-#ifndef PREP_MESH_MESH_MORTON_H
-#define PREP_MESH_MESH_MORTON_H
+#ifndef FORMATS_MESH_MESH_MORTON_H
+#define FORMATS_MESH_MESH_MORTON_H
 
 #include <stdint.h>
 
