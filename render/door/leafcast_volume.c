@@ -396,7 +396,8 @@ leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) 
     v->field = field;
     v->step = v->live ? v->step : step;
     v->share = 0.0;
-    loader_select_set(v->treelets, leaf_layout_set(&v->file->layout, field, v->step));
+    v->set = leaf_layout_set(&v->file->layout, field, v->step); /* what the loader has */
+    loader_select_set(v->treelets, v->set);
     loader_reset_statistics(v->treelets);
     volume_unlock(v, &h);
     return LEAFCAST_OK;
