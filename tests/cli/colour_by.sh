@@ -178,6 +178,7 @@ ok "is drawn" [ "$(cmp -l "$tmp/legend.ppm" "$tmp/bare.ppm" | wc -l)" -gt 2000 ]
 cp "$tmp/heat.leaf" "$tmp/heat.ppm"
 while IFS='|' read -r code said options; do
     # shellcheck disable=SC2086 # split on purpose
+    # shellcheck disable=SC2046 # several words
     exits "$options" "$code" "$leafcast" render "$tmp/both.leaf" --iso 6 --size 8x8 -o "$tmp/x.ppm" --force $(echo "$options" | sed "s|@|$tmp/|g")
     ok "says: $said" says "$said"
     ok "in a line" [ "$(grep -c . "$tmp/err")" = 1 ]
