@@ -11,8 +11,8 @@ enum { BINS = 16, BY_HALVES = 64, STACK_MAX = 128, PARTS = 64 };
 
 /* ---- Boxes ---- */
 
-static void box_of(const bounded_kdtree *t, uint32_t triangle, float box[6]) {
-    const uint32_t *v = t->rows[triangle];
+static void box_of(const bounded_kdtree *t, uint32_t number, float box[6]) {
+    const uint32_t *v = t->rows[number];
     for (int a = 0; a < 3; a++) {
         box[a] = box[a + 3] = t->positions[v[0]][a];
         for (int k = 1; k < 3; k++) {

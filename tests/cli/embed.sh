@@ -109,6 +109,18 @@ all_change() {
         [ "$(tail -c +16 "$tmp/live_004.ppm" | tr -d '\000' | wc -c)" -gt 3000 ]
 }
 
+# all_wave: three pictures, no two alike, with blue and yellow that are in the light.
+all_wave() {
+    [ "$(cksum "$tmp"/flag_*.ppm | cut -d' ' -f1 | sort -u | wc -l)" = 3 ] && python3 - "$tmp"/flag_*.ppm <<'PY'
+import sys
+for name in sys.argv[1:]:
+    p = open(name, "rb").read()[15:]
+    pixels = list(zip(p[0::3], p[1::3], p[2::3]))
+    if sum(b > 150 and r < 60 for r, g, b in pixels) < 1000 or sum(r > 180 and b < 90 for r, g, b in pixels) < 1000:
+        sys.exit(f"# {name}: too dark")
+PY
+}
+
 # try NAME COMPILER...: the examples, built with this and run.
 try() {
     how=$1
@@ -127,6 +139,11 @@ try() {
     exits "draws itself while it runs" 0 env LD_LIBRARY_PATH="$where" "$tmp/gray_scott" 40 200 "$tmp/live"
     ok "step after step" all_change
     exits "or not at all where it cannot write" 7 env LD_LIBRARY_PATH="$where" "$tmp/gray_scott" 8 100 "$tmp/none/live"
+    exits "flag.c, $how" 0 "$@" -o "$tmp/flag" scripts/examples/flag.c $flags
+    rm -f "$tmp"/flag_*.ppm
+    exits "draws what moves" 0 env LD_LIBRARY_PATH="$where" "$tmp/flag" 3 "$tmp/flag"
+    ok "picture after picture" all_wave
+    exits "or says that it cannot write" 1 env LD_LIBRARY_PATH="$where" "$tmp/flag" 1 "$tmp/none/flag"
 }
 strict='-Wall -Wextra -Wno-missing-field-initializers -Werror'
 flags="$(pc --cflags --libs) -lm"
