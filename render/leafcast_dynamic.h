@@ -66,8 +66,9 @@ LEAFCAST_API leafcast_status leafcast_open_triangles(const leafcast_triangles *t
  * Any thread; one update goes on at a time, others wait. Positions are in memory twice: a picture
  * that has begun shows those it began with to its end, of leafcast_frame_begin() and
  * leafcast_frame_end() where it is drawn bit by bit, and no update waits for it; but the next one
- * does. LEAFCAST_USAGE where that is a frame which this thread itself has begun and not ended. Done
- * by as many threads as the device draws with, by others: they need not wait for a picture.
+ * does. LEAFCAST_USAGE where that is a frame which this thread itself has begun and not ended,
+ * whoever goes on with it. Done by as many threads as the device draws with, by others: they need
+ * not wait for a picture.
  *
  * LEAFCAST_USAGE names the first vertex that is not finite. After a failure nothing has changed. */
 LEAFCAST_API leafcast_status leafcast_update_vertices(leafcast *volume, const float (*positions)[3],

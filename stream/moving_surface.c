@@ -39,6 +39,10 @@ static status refuse(const mem *m, const moving_source *src, size_t vertices) {
 /* Positions are looked at by so many. */
 enum { SOME = 1 << 15 };
 
+static size_t parts_of(uint32_t vertices) {
+    return ((size_t)vertices + SOME - 1) / SOME;
+}
+
 /* Positions on their way. */
 typedef struct putting {
     moving_surface *s;
@@ -72,7 +76,7 @@ static status check_some(void *ctx, size_t index, int worker) {
 }
 
 static status check_positions(putting *p) {
-    return pool_run(p->s->threads, ((size_t)p->s->vertices + SOME - 1) / SOME, check_some, p);
+    return pool_run(p->s->threads, parts_of(p->s->vertices), check_some, p);
 }
 
 /* ---- Making ---- */
@@ -86,14 +90,17 @@ static uint32_t triangles_in(const moving_source *src, uint32_t t) {
     return left < MOVING_TRIANGLES ? left : MOVING_TRIANGLES;
 }
 
+/* Of what triangles there are: a vertex that none has may be anywhere. */
 static void bounds_of(const moving_source *src, float bounds[6]) {
     for (int a = 0; a < 3; a++)
-        bounds[a] = bounds[a + 3] = src->positions[0][a];
-    for (uint32_t v = 1; v < src->vertices; v++)
-        for (int a = 0; a < 3; a++) {
-            bounds[a] = fminf(bounds[a], src->positions[v][a]);
-            bounds[a + 3] = fmaxf(bounds[a + 3], src->positions[v][a]);
-        }
+        bounds[a] = bounds[a + 3] = src->positions[src->rows[0][0]][a];
+    for (uint32_t i = 0; i < src->triangles; i++)
+        for (int k = 0; k < TRIANGLE_CORNERS; k++)
+            for (int a = 0; a < 3; a++) {
+                const float x = src->positions[src->rows[i][k]][a];
+                bounds[a] = fminf(bounds[a], x);
+                bounds[a + 3] = fmaxf(bounds[a + 3], x);
+            }
 }
 
 static status sort(moving_surface *s, const moving_source *src) {
@@ -196,7 +203,9 @@ static status allocate(moving_surface *s, size_t count) {
 
 static status make(moving_surface *s, const moving_source *src, int threads, uint32_t *count) {
     putting first = {s, 0, src->positions};
-    status st = pool_create(s->m, threads, &s->threads);
+    const size_t parts =
+        parts_of(s->vertices) > s->treelet_count ? parts_of(s->vertices) : s->treelet_count;
+    status st = pool_create(s->m, parts < (size_t)threads ? (int)parts : threads, &s->threads);
     if (st == ST_OK)
         st = check_positions(&first);
     if (st == ST_OK)
@@ -228,9 +237,9 @@ status moving_surface_create(mem *m, const moving_source *src, int threads, movi
     if (st != ST_OK) {
         leaf_file_close(s->file);
         moving_surface_destroy(s);
-        return st == ST_NOMEM && m->limit
-                   ? refuse(m, src, count ? count : 3 * (size_t)src->triangles)
-                   : st;
+        const size_t vertices = count ? count : 3 * (size_t)src->triangles;
+        const bool full = m->limit && mem_used(m) + memory_of(src, vertices) > m->limit;
+        return st == ST_NOMEM && full ? refuse(m, src, vertices) : st;
     }
     *out = s;
     return ST_OK;

@@ -10,7 +10,12 @@
 
 void colour_by_close(colour_by *b) {
     leafcast_close(b->volume);
-    *b = (colour_by){.of = NULL};
+    *b = (colour_by){.opened = b->opened};
+}
+
+leafcast_axes colour_by_world(const leafcast *volume) {
+    const leafcast_axes asked = (leafcast_axes)volume->options.axes;
+    return asked != LEAFCAST_AXES_FILE ? asked : leafcast_describe(volume).axes;
 }
 
 /* ---- Opening ---- */
@@ -19,7 +24,7 @@ static status open_on(colour_by *b, const char *path) {
     const leafcast_options on = {.size = sizeof on,
                                  .device = b->of->device,
                                  .backend = b->of->options.backend,
-                                 .axes = leafcast_describe(b->of).axes};
+                                 .axes = b->world};
     return (status)leafcast_open(path, &on, &b->volume);
 }
 
@@ -39,7 +44,7 @@ static status open_named(colour_by *b, const view_options *v, const char *name, 
 
 /* Open FILE or FILE:FIELD. */
 static status open_other(colour_by *b, const view_options *v) {
-    char name[MEDIUM_NAME_MAX];
+    char name[MEDIUM_NAME_MAX], why[STATUS_TEXT_MAX / 2];
     bool there = false;
     status st = open_named(b, v, v->colour_by, &there);
     if (there || st != ST_OK)
@@ -50,9 +55,13 @@ static status open_other(colour_by *b, const view_options *v) {
         *field++ = 0;
         st = open_named(b, v, name, &there);
     }
-    if (st == ST_OK && there)
-        return (status)leafcast_find_field(b->volume, field, &b->field);
-    return st;
+    if (st != ST_OK || !there)
+        return st;
+    st = (status)leafcast_find_field(b->volume, field, &b->field);
+    if (st == ST_OK)
+        return ST_OK;
+    snprintf(why, sizeof why, "%s", status_text());
+    return status_describe(st, "--colour-by %s: %s", v->colour_by, why);
 }
 
 /* Terrain is made of its field: another one would be another terrain. Its cells lie in rows, those
@@ -68,7 +77,7 @@ static status check_given(const colour_by *b, const view_options *v) {
         v->colour_by);
 }
 
-static status open_any(colour_by *b, const view_options *v, uint32_t shown) {
+static status open_any(colour_by *b, const view_options *v) {
     char why[STATUS_TEXT_MAX];
     uint32_t field;
     b->same = leafcast_find_field(b->of, v->colour_by, &field) == LEAFCAST_OK;
@@ -84,12 +93,6 @@ static status open_any(colour_by *b, const view_options *v, uint32_t shown) {
     b->field = field;
     if (leafcast_describe(b->of).abilities & LEAFCAST_ABILITY_GIVEN)
         return check_given(b, v);
-    if (field == shown)
-        return status_describe(
-            ST_USAGE,
-            "--colour-by %s: that is the field whose isosurfaces are shown, each "
-            "of one value",
-            v->colour_by);
     return open_on(b, file_path(b->of->file->source));
 }
 
@@ -113,14 +116,22 @@ static status check_time(const colour_by *b, uint32_t step) {
 }
 
 status colour_by_find(colour_by *b, const view_options *v, leafcast *of, uint32_t *field,
-                      uint32_t step, double between, const double *place, leafcast_colouring *out) {
+                      uint32_t step, double between, const double *place, leafcast_axes world,
+                      leafcast_colouring *out) {
     status st = ST_OK;
     if (b->of != of || strcmp(b->name, v->colour_by) != 0) {
         colour_by_close(b);
         b->of = of;
-        st = open_any(b, v, *field);
+        b->world = world;
+        b->opened++;
+        st = open_any(b, v);
         snprintf(b->name, sizeof b->name, "%s", st == ST_OK ? v->colour_by : "");
     }
+    if (st == ST_OK && b->same && b->volume && b->field == *field)
+        st = status_describe(ST_USAGE,
+                             "--colour-by %s: that is the field whose isosurfaces are shown, each "
+                             "of one value",
+                             v->colour_by);
     if (st != ST_OK)
         return st;
     *out = (leafcast_colouring){.volume = b->volume, .field = b->field};

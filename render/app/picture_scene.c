@@ -97,16 +97,26 @@ status picture_scene_check_used(const leafcast *volume, const view_options *v) {
                            leafcast_describe(volume).name);
 }
 
+/* The axes of the world that the picture lies in. */
+static leafcast_axes world_of(const picture_volume *volumes, int count) {
+    leafcast_axes axes = LEAFCAST_AXES_FILE;
+    for (int i = 0; i < count && axes == LEAFCAST_AXES_FILE; i++)
+        axes = colour_by_world(volumes[i].volume);
+    return axes;
+}
+
 /* Find what colours surfaces of object i by another volume's values. first: the first object of the
  * same flags, at another place. */
-static status find_colouring(picture_scene *p, const picture_volume *volumes, int i, int first) {
+static status find_colouring(picture_scene *p, const picture_volume *volumes, int count, int i,
+                             int first) {
     leafcast_shown *s = &p->shown[i];
     if (!volumes[i].view->colour_by[0])
         return ST_OK;
     if (!p->opens)
         return status_describe(ST_USAGE, "--colour-by is of leafcast render and probe");
-    const status st = colour_by_find(&p->by[first], volumes[i].view, s->volume, &s->field, s->step,
-                                     s->between, s->place, &p->colourings[i]);
+    const status st =
+        colour_by_find(&p->by[first], volumes[i].view, s->volume, &s->field, s->step, s->between,
+                       s->place, world_of(volumes, count), &p->colourings[i]);
     if (st == ST_OK && p->colourings[i].volume)
         s->colour_by = &p->colourings[i];
     return st;
@@ -120,8 +130,8 @@ static medium_options colours_of(const view_options *v) {
     return o;
 }
 
-/* Make the transfer function of one volume of the picture. */
-static status fill_volume(picture_scene *p, const picture_volume *volumes, int volume) {
+/* Make the transfer function of one volume of the picture. first: as in find_colouring(). */
+static status fill_volume(picture_scene *p, const picture_volume *volumes, int volume, int first) {
     const leafcast_shown *shown = &p->shown[volume];
     const leafcast_colouring own = {shown->volume, shown->field, shown->step, 0.0, NULL},
                              *of = shown->colour_by ? shown->colour_by : &own;
@@ -129,8 +139,11 @@ static status fill_volume(picture_scene *p, const picture_volume *volumes, int v
     const bool projected = volumes[0].view->scene.project != LEAFCAST_PROJECT_NONE;
     transfer_list *t = &p->transfer[volume];
     status st = ST_OK;
-    if (!p->measured[volume].known || p->measured[volume].field != of->field) {
+    const uint32_t opened = shown->colour_by ? p->by[first].opened : 0;
+    if (!p->measured[volume].known || p->measured[volume].field != of->field ||
+        p->measured[volume].opened != opened) {
         p->measured[volume].known = true;
+        p->measured[volume].opened = opened;
         p->measured[volume].field = of->field;
         p->measured[volume].step = of->step;
     }
@@ -185,9 +198,9 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
                                        .between = v->time.between,
                                        .place = volumes[i].place};
         if (st == ST_OK)
-            st = find_colouring(p, volumes, i, one);
+            st = find_colouring(p, volumes, count, i, one);
         if (st == ST_OK && (filled || view_options_coloured(v)))
-            st = fill_volume(p, volumes, i);
+            st = fill_volume(p, volumes, i, one);
     }
     scene->volumes = p->shown;
     scene->volume_count = count;
@@ -237,8 +250,11 @@ void picture_scene_mark(const picture_scene *p, const picture_volume *volumes,
     const int filled = picture_scene_filled(p, scene), i = filled >= 0 ? filled : coloured(scene);
     double window[2];
     if (volumes[0].view->legend && i >= 0) {
-        const leafcast_colouring *by = scene->volumes[i].colour_by;
-        const char *title = by ? leafcast_field_name(by->volume, by->field) : "";
+        const leafcast_shown *of = &scene->volumes[i];
+        const leafcast_colouring own = {of->volume, of->field, of->step, 0.0, NULL},
+                                 *by = of->colour_by ? of->colour_by : &own;
+        const char *title =
+            volumes[i].view->colour_by[0] ? leafcast_field_name(by->volume, by->field) : "";
         medium_options_window(&volumes[i].view->medium, &p->transfer[i], window);
         legend_draw(image, camera->width, camera->height, &p->transfer[i], window, title, face);
     }

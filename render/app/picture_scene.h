@@ -22,6 +22,7 @@ typedef struct picture_volume {
 typedef struct picture_measured {
     bool known;
     uint32_t field, step;
+    uint32_t opened; /* of colour_by */
 } picture_measured;
 
 typedef struct picture_scene {

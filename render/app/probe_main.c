@@ -433,7 +433,7 @@ static status select_set(probe_options *o, leafcast *volume, json_t *answer) {
         st = time_options_find(&v->time, volume, &v->step);
     if (st == ST_OK && v->colour_by[0])
         st = colour_by_find(&o->by, v, volume, &field, v->step, v->time.between, NULL,
-                            &o->colouring);
+                            colour_by_world(volume), &o->colouring);
     if (st == ST_OK && o->colouring.volume)
         st = render_status(leafcast_select_between(o->colouring.volume, o->colouring.field,
                                                    o->colouring.step, o->colouring.between));

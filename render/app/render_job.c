@@ -369,7 +369,7 @@ static const picture_volume *objects_of(const render_job *job, const view_option
 
 /* Open the font when a picture first needs it. */
 static status open_face(render_job *job, const view_options *v) {
-    const bool named = v->legend && v->colour_by[0];
+    const bool named = v->legend && (v->colour_by[0] || v->others_coloured);
     return (named || annotate_wanted(&v->annotation)) && !job->face
                ? text_face_open(&job->m, job->font, &job->face)
                : ST_OK;

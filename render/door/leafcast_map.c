@@ -55,6 +55,7 @@ static status check(const leafcast *v, uint32_t level, const uint32_t blocks[3])
 
 leafcast_status leafcast_map_treelets(leafcast *v, uint32_t level, const uint32_t blocks[3],
                                       leafcast_block *map) {
+    live_hold h;
     status st = arguments_check_volume(__func__, v);
     if (st == ST_OK)
         st = public_needs(__func__, "blocks map", (const void *[]){blocks, map});
@@ -64,11 +65,11 @@ leafcast_status leafcast_map_treelets(leafcast *v, uint32_t level, const uint32_
         return public_status(st);
     const leaf_level *of = &v->file->layout.level[level];
     memset(map, 0, (size_t)blocks[0] * blocks[1] * blocks[2] * sizeof *map);
-    device_lock(v->device);
+    volume_lock(v, &h);
     const leafcast *shown = v->is_between ? v->between : v;
     for (uint32_t t = of->first; t < of->first + of->count; t++)
         count(shown, t, blocks, map);
-    device_unlock(v->device);
+    volume_unlock(v, &h);
     return LEAFCAST_OK;
 }
 

@@ -100,7 +100,7 @@ static status check_shown(const leafcast *v, const leafcast_scene *scene, int i,
 
 /* Check what colours object i. `listed` of a volume that only colours is volume_count + the first
  * object that it colours. */
-static status check_colouring(const leafcast *v, const leafcast_scene *scene, int i) {
+static status check_colouring(const leafcast *v, const leafcast_scene *scene, int i, int known) {
     const leafcast_colouring *by = scene->volumes[i].colour_by;
     if (!by)
         return ST_OK;
@@ -112,6 +112,15 @@ static status check_colouring(const leafcast *v, const leafcast_scene *scene, in
                                "what colours volume %d of the scene, of %s, is a surface itself: "
                                "it has no values at points",
                                i + 1, by->volume->kind->name);
+    const world_axes axes = by->volume->axes,
+                     other_axes = known < 0 ? axes : scene->volumes[known].volume->axes;
+    if (axes && axes != other_axes)
+        return status_describe(ST_USAGE,
+                               "what colours volume %d of the scene lies in a world of %s axes, "
+                               "volume %d in one of %s: open both with the same "
+                               "leafcast_options.axes",
+                               i + 1, world_axes_name(axes), known + 1,
+                               world_axes_name(other_axes));
     if (by->volume->listed < 0)
         by->volume->listed = scene->volume_count + i;
     const int count = scene->volume_count, first = by->volume->listed;
@@ -147,7 +156,7 @@ status scene_check(leafcast *v, const leafcast_scene *scene) {
     for (int i = 0; i < scene->volume_count && st == ST_OK; i++)
         st = check_shown(v, scene, i, &known);
     for (int i = 0; i < scene->volume_count && st == ST_OK; i++)
-        st = check_colouring(v, scene, i);
+        st = check_colouring(v, scene, i, known);
     return st;
 }
 

@@ -315,7 +315,7 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
                             .cell = v->kind->cell,
                             .levels = v->file->layout.sampled,
                             .fields = h->fields,
-                            .moving = leaf_layout_moves(&v->file->layout),
+                            .moving = !v->live && leaf_layout_moves(&v->file->layout),
                             .treelets = v->file->layout.treelets,
                             .sample_type = sample_name((sample_type)h->sample_type),
                             .name = v->file->name,

@@ -5,12 +5,12 @@
 struct live_steps {
     mem *m;
     leaf_file *file;
-    pthread_mutex_t writing; /* one writer at a time; taken before `lock` */
     pthread_mutex_t lock;
-    pthread_cond_t let_go;
+    pthread_cond_t let_go; /* of a step, or of writing */
     /* Guarded by lock: */
     live_hold *holds;
-    uint32_t current; /* changes only while `writing` is held, too */
+    bool writing;     /* one writer at a time */
+    uint32_t current; /* changes only where a writer ends */
 };
 
 status live_steps_create(mem *m, leaf_file *f, live_steps **out) {
@@ -18,7 +18,6 @@ status live_steps_create(mem *m, leaf_file *f, live_steps **out) {
     if (!s)
         return ST_NOMEM;
     *s = (live_steps){.m = m, .file = f};
-    pthread_mutex_init(&s->writing, NULL);
     pthread_mutex_init(&s->lock, NULL);
     pthread_cond_init(&s->let_go, NULL);
     *out = s;
@@ -30,7 +29,6 @@ void live_steps_destroy(live_steps *s) {
         return;
     pthread_cond_destroy(&s->let_go);
     pthread_mutex_destroy(&s->lock);
-    pthread_mutex_destroy(&s->writing);
     mem_free(s->m, s);
 }
 
@@ -66,34 +64,32 @@ static const live_hold *held(const live_steps *s, uint32_t step) {
     return found;
 }
 
-/* Wait until nobody holds the step that is not shown: *step. Nobody can begin to. */
-static status wait_for(live_steps *s, uint32_t *step) {
+/* A writer that waits is none yet: another thread whose own frame all wait for must hear of that.
+ */
+status live_steps_begin(live_steps *s, uint32_t *step) {
     status st = ST_OK;
     pthread_mutex_lock(&s->lock);
-    *step = !s->current;
-    for (const live_hold *h; st == ST_OK && (h = held(s, *step));)
-        if (pthread_equal(h->by, pthread_self()))
+    for (;;) {
+        const live_hold *h = held(s, !s->current);
+        if (h && pthread_equal(h->by, pthread_self()))
             st = status_describe(ST_USAGE, "a frame that this thread has begun shows the step "
                                            "before the current one: end it first");
-        else
-            pthread_cond_wait(&s->let_go, &s->lock);
+        if (st != ST_OK || (!h && !s->writing))
+            break;
+        pthread_cond_wait(&s->let_go, &s->lock);
+    }
+    *step = !s->current;
+    s->writing = s->writing || st == ST_OK;
     pthread_mutex_unlock(&s->lock);
-    return st;
-}
-
-status live_steps_begin(live_steps *s, uint32_t *step) {
-    pthread_mutex_lock(&s->writing);
-    const status st = wait_for(s, step);
-    if (st != ST_OK)
-        pthread_mutex_unlock(&s->writing);
     return st;
 }
 
 void live_steps_end(live_steps *s, uint32_t step, bool show) {
     pthread_mutex_lock(&s->lock);
     s->current = show ? step : s->current;
+    s->writing = false;
+    pthread_cond_broadcast(&s->let_go);
     pthread_mutex_unlock(&s->lock);
-    pthread_mutex_unlock(&s->writing);
 }
 
 status live_steps_put(live_steps *s, const live_region *r) {

@@ -173,6 +173,46 @@ exits "a legend" 0 "$leafcast" render "$tmp/both.leaf" --iso 6 --colour-by heat 
 exits "none" 0 "$leafcast" render "$tmp/both.leaf" --iso 6 --colour-by heat --size 200x200 -q -o "$tmp/bare.ppm"
 ok "is drawn" [ "$(cmp -l "$tmp/legend.ppm" "$tmp/bare.ppm" | wc -l)" -gt 2000 ]
 
+# ---- where it lies, and what it was ----
+
+# Values x, in a world of RAS axes: in one of LPS axes it lies at x and y from -17 to 0, where the surface is not.
+python3 - "$tmp/ras.nrrd" <<'PY'
+import struct, sys
+with open(sys.argv[1], "wb") as f:
+    f.write(b"NRRD0004\ntype: float\ndimension: 3\nspace: right-anterior-superior\nsizes: 18 18 18\nencoding: raw\nendian: little\n"
+            b"space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n\n")
+    f.write(b"".join(struct.pack("<18f", *range(18)) for _ in range(18 * 18)))
+PY
+exits "a file that names its axes" 0 "$leafcast" convert "$tmp/ras.nrrd" -q -o "$tmp/ras.leaf"
+value() { # value OPTION...: that of the middle pixel
+    "$leafcast" probe "$tmp/both.leaf" --iso 6 --size 60x50 --at 30,25 --colour-by "$tmp/ras.leaf" --json "$@" |
+        python3 -c 'import json, sys; j = json.load(sys.stdin); h = j["hits"][0]
+print(h["colour_by_value"], j["origin"][0] + h["t"] * j["direction"][0])'
+}
+value >"$tmp/value" || cat "$tmp/value"
+ok "has its value at x" awk '{ exit !($1 > 0 && ($1 - $2) ^ 2 < 1e-10) }' "$tmp/value"
+ok "and is turned with the picture's world" [ "$(value --axes LPS | cut -d' ' -f1)" = None ]
+sed 's/right-anterior/left-posterior/' "$tmp/ras.nrrd" >"$tmp/lps.nrrd"
+exits "another's axes" 0 "$leafcast" convert "$tmp/lps.nrrd" -q -o "$tmp/lps.leaf"
+draw beside "$tmp/both.leaf" --iso 6 --colour-by "$tmp/ras.leaf" --and "$tmp/lps.leaf" --iso 30
+draw turned "$tmp/both.leaf" --iso 6 --axes LPS --colour-by "$tmp/ras.leaf"
+same beside turned
+exits "one step" 0 "$leafcast" convert "$tmp/heat_0.vtk" -q -o "$tmp/once.leaf"
+cat >"$tmp/lines" <<X
+{"step": 1, "colour_by": "$tmp/heat.leaf", "output": "$tmp/l1.ppm"}
+{"step": 0, "colour_by": "$tmp/once.leaf", "output": "$tmp/l2.ppm"}
+X
+view='--eye 40,30,25 --look-at 8,8,8'
+# shellcheck disable=SC2086 # words
+exits "lines of a script, by one file and another" 0 "$leafcast" render "$tmp/both.leaf" --iso 6 $view --size 60x50 --script "$tmp/lines" -q --force
+# shellcheck disable=SC2086 # words
+draw l3 "$tmp/both.leaf" --iso 6 $view --step 0 --colour-by "$tmp/once.leaf"
+same l2 l3
+echo '{"field": "heat", "iso": 4, "colour_by": "heat", "output": "'"$tmp/l4.ppm"'"}' >"$tmp/line"
+(echo '{"colour_by": "heat", "output": "'"$tmp/l1.ppm"'"}' && cat "$tmp/line") >"$tmp/lines"
+exits "then by the field that is shown" 1 "$leafcast" render "$tmp/both.leaf" --iso 6 --size 60x50 --script "$tmp/lines" -q --force
+ok "is refused as ever" says "that is the field whose isosurfaces are shown"
+
 # ---- refused, in a line ----
 
 cp "$tmp/heat.leaf" "$tmp/heat.ppm"
@@ -185,7 +225,7 @@ while IFS='|' read -r code said options; do
 done <<'X'
 2|"cold" is neither a file nor a field: no field is called "cold"|--colour-by cold
 2|that is the field whose isosurfaces are shown|--colour-by speed
-2|no field is called "cold"|--colour-by @heat.leaf:cold
+2|heat.leaf:cold: no field is called "cold"|--colour-by @heat.leaf:cold
 2|it has no values at points|--colour-by @sheet.leaf
 2|without --opacity V:A|--colour-by heat --opacity 6:0.5
 3|sheet.ply: |--colour-by @sheet.ply

@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "tests/support/fixture.h"
 #include "tests/support/pictures.h"
@@ -45,6 +46,7 @@ typedef struct tube {
     float (*xyz)[3];
     uint32_t (*rows)[3], *colours;
     float *values;
+    leafcast *shown; /* by whoever wants it */
 } tube;
 
 /* A helix that is bent and turned with the phase. */
@@ -480,6 +482,60 @@ static void test_frames(void **state) {
     tube_free(&t);
 }
 
+static void *move_once(void *ctx) {
+    tube *t = ctx;
+    fine(leafcast_update_vertices(t->shown, (const float(*)[3])t->xyz, t->of.vertex_count));
+    return NULL;
+}
+
+/* A writer that waits for another thread's frame does not keep that thread from hearing of it. */
+static void test_writers(void **state) {
+    (void)state;
+    static double z[PICTURE_PIXELS];
+    tube t = tube_make(40);
+    leafcast *v = t.shown = open_tube(&t, NULL);
+    const leafcast_scene scene = leafcast_scene_default();
+    const leafcast_camera c = leafcast_standard_view(v, 1.6, PICTURE_WIDTH, PICTURE_HEIGHT);
+    const leafcast_image image = {.size = sizeof image, .z = z};
+    leafcast_frame *frame;
+    pthread_t other;
+    fine(leafcast_frame_begin(v, &scene, &c, &image, &frame));
+    move(v, &t);
+    assert_int_equal(pthread_create(&other, NULL, move_once, &t), 0);
+    (void)usleep(50000); /* so that it waits; the same is true if it does not */
+    refused(leafcast_update_vertices(v, (const float(*)[3])t.xyz, t.of.vertex_count),
+            LEAFCAST_USAGE, "end it first");
+    leafcast_frame_end(frame);
+    pthread_join(other, NULL);
+    move(v, &t);
+    leafcast_close(v);
+    tube_free(&t);
+}
+
+/* Treelets are on the map where they are now: mirrored, where they were seen from the other end. */
+static void test_map(void **state) {
+    enum { BLOCKS = 5 };
+    static const uint32_t blocks[3] = {1, 1, BLOCKS};
+    leafcast_block map[2][BLOCKS];
+    (void)state;
+    tube t = tube_make(WATCHED ? 500 : 1000);
+    leafcast *v = open_tube(&t, NULL);
+    bool even = true;
+    for (int k = 0; k < 2; k++) {
+        for (uint32_t i = 0; i < t.of.vertex_count; i++)
+            t.xyz[i][2] = k ? -t.xyz[i][2] : t.xyz[i][2] * t.xyz[i][2];
+        move(v, &t);
+        fine(leafcast_map_treelets(v, 0, blocks, map[k]));
+    }
+    for (int i = 0; i < BLOCKS; i++) {
+        assert_int_equal(map[0][i].treelets, map[1][BLOCKS - 1 - i].treelets);
+        even = even && map[0][i].treelets == map[0][BLOCKS - 1 - i].treelets;
+    }
+    assert_false(even);
+    leafcast_close(v);
+    tube_free(&t);
+}
+
 enum { PHASES = 4, SURFACES = 2, ROUNDS = WATCHED ? 6 : 40 };
 
 typedef struct stage {
@@ -635,6 +691,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_motions), cmocka_unit_test(test_pictures),
         cmocka_unit_test(test_fields),  cmocka_unit_test(test_frames),
+        cmocka_unit_test(test_writers), cmocka_unit_test(test_map),
         cmocka_unit_test(test_threads), cmocka_unit_test(test_errors),
         cmocka_unit_test(test_memory),
     };
