@@ -22,13 +22,13 @@ enum { PATIENCE_S = 60, REFUSED = 2, NAMED = 3, DRAWN = 4 };
 /* Calls that need no more than the file, or nothing. */
 static bool works_anywhere(const char *name) {
     static const char *const names[] = {
-        "leafcast_device_create", "leafcast_open",       "leafcast_open_memory",
-        "leafcast_open_live",     "leafcast_get_info",   "leafcast_find_field",
-        "leafcast_find_time",     "leafcast_range",      "leafcast_find_steps",
-        "leafcast_init_scene",    "leafcast_pixel_ray",  "leafcast_get_standard_view",
-        "leafcast_get_histogram", "leafcast_data_range", "leafcast_suggested_isovalues",
-        "leafcast_fit_view",      "leafcast_fit_slice",  "leafcast_plane_slice",
-        "leafcast_layer_slice"};
+        "leafcast_device_create", "leafcast_open",          "leafcast_open_memory",
+        "leafcast_open_live",     "leafcast_get_info",      "leafcast_find_field",
+        "leafcast_find_time",     "leafcast_range",         "leafcast_find_steps",
+        "leafcast_init_scene",    "leafcast_pixel_ray",     "leafcast_get_standard_view",
+        "leafcast_get_histogram", "leafcast_data_range",    "leafcast_suggested_isovalues",
+        "leafcast_fit_view",      "leafcast_fit_slice",     "leafcast_plane_slice",
+        "leafcast_layer_slice",   "leafcast_open_triangles"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strcmp(names[i], name) == 0)
             return true;
