@@ -455,6 +455,7 @@ void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile
     w->counters = counters;
     w->side = mesh_rays_of(f->tracer)->packet;
     w->count = (int)(w->side * w->side);
+    w->rays.front_first = false;
     w->rays.one_origin = true;
     for (int a = 0; a < 3; a++)
         w->eye[a] = f->projection->eye[a];

@@ -18,10 +18,10 @@ typedef struct flat_rays {
     double to[FLAT_RAYS];   /* to is the lesser of t1 and best.t */
     hit best[FLAT_RAYS];    /* hit_none() at first */
     hit after[FLAT_RAYS];
+    /* Set by the caller: */
     bool front_first; /* of two crossings at one t the one from the front comes first, as
                          triangles have it; else the one from behind: flat_polygon_less() */
-    bool one_origin;  /* all o are equal: set by the caller, true for primary rays; false costs
-                         time */
+    bool one_origin;  /* all o are equal, as those of primary rays; false costs time */
 } flat_rays;
 
 /* flat_rays_put() - sets ray number `lane`. after: hit_before_all(), or the ray's last hit. Only
