@@ -61,7 +61,8 @@ FLAGS = {
 # What says nothing of what is drawn from which level: files, sequences, how it is run, words.
 BESIDE = """allow-missing follow-links certify depth-f64 error-f64 fail-empty format rgba-f64 stats value-f64 write-tf and axes state camera-path frames
     iso-list script steps turntable force help-all json memory output quiet threads usage verbose backend isa isopolygons
-    packets progressive repeat schema traversal treelet-limit help version size font title unit field step time interpolate lod""".split()
+    packets progressive repeat schema traversal treelet-limit help version size font title unit field colour-by step time interpolate
+    lod""".split()
 
 
 def options(verb):
