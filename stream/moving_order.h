@@ -20,7 +20,7 @@ typedef struct moving_source {
     const char *name;             /* of the values */
 } moving_source;
 
-/* moving_order_sort() - write the triangles' numbers in their order. bounds: of the positions.
+/* moving_order_sort() - write the triangles' numbers in their order. bounds: of the triangles.
  * moving_order_memory() - the memory that it takes meanwhile. */
 CHECKED status moving_order_sort(mem *m, const moving_source *s, const float bounds[6],
                                  uint32_t numbers[]);

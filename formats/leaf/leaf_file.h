@@ -61,7 +61,7 @@ typedef struct leaf_file {
     struct live_samples *live;       /* of a grid that changes in memory (leaf_live.h), or NULL; */
     uint64_t *versions;              /* and per set: how often it has changed */
     /* Of triangles that move in memory (stream/moving_surface.h), or NULL: */
-    const struct moving_surface *moving;
+    struct moving_surface *moving;
     float (*step_bounds)[6]; /* and the box at each step, instead of the header's */
     /* Of one that lies between the steps of another (leaf_between.h), else NULL: that one, and what
      * its sets are. */

@@ -115,19 +115,18 @@ static status check_time(const colour_by *b, uint32_t step) {
                            b->name, step, num_print(time, one), num_print(shown, other));
 }
 
-status colour_by_find(colour_by *b, const view_options *v, leafcast *of, uint32_t *field,
-                      uint32_t step, double between, const double *place, leafcast_axes world,
-                      leafcast_colouring *out) {
+status colour_by_find(colour_by *b, const view_options *v, leafcast_axes world,
+                      leafcast_shown *shown, leafcast_colouring *out) {
     status st = ST_OK;
-    if (b->of != of || strcmp(b->name, v->colour_by) != 0) {
+    if (b->of != shown->volume || strcmp(b->name, v->colour_by) != 0) {
         colour_by_close(b);
-        b->of = of;
+        b->of = shown->volume;
         b->world = world;
         b->opened++;
         st = open_any(b, v);
         snprintf(b->name, sizeof b->name, "%s", st == ST_OK ? v->colour_by : "");
     }
-    if (st == ST_OK && b->same && b->volume && b->field == *field)
+    if (st == ST_OK && b->same && b->volume && b->field == shown->field)
         st = status_describe(ST_USAGE,
                              "--colour-by %s: that is the field whose isosurfaces are shown, each "
                              "of one value",
@@ -136,14 +135,14 @@ status colour_by_find(colour_by *b, const view_options *v, leafcast *of, uint32_
         return st;
     *out = (leafcast_colouring){.volume = b->volume, .field = b->field};
     if (!b->volume) {
-        *field = b->field;
+        shown->field = b->field;
         return ST_OK;
     }
-    out->place = b->same ? place : NULL;
+    out->place = b->same ? shown->place : NULL;
     if (leafcast_describe(b->volume).steps == 1)
         return ST_OK;
-    out->step = step;
-    out->between = between;
-    st = check_time(b, step);
-    return st == ST_OK && between > 0.0 ? check_time(b, step + 1) : st;
+    out->step = shown->step;
+    out->between = shown->between;
+    st = check_time(b, shown->step);
+    return st == ST_OK && shown->between > 0.0 ? check_time(b, shown->step + 1) : st;
 }

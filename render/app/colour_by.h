@@ -22,19 +22,19 @@ typedef struct colour_by {
     uint32_t opened;     /* how often one was */
 } colour_by;
 
-/* colour_by_find() - find what flags name for a volume of theirs, and open it on the same device,
- * unless it is open. field, step, between, place: of what is coloured; world: of the picture. A
- * volume that is a surface itself may be coloured by another field of its own: then *field becomes
- * that one, and out->volume is NULL. Returns ST_USAGE where there is no such field or file, or
- * where it has no such step at that time. */
-CHECKED status colour_by_find(colour_by *b, const view_options *v, leafcast *of, uint32_t *field,
-                              uint32_t step, double between, const double *place,
-                              leafcast_axes world, leafcast_colouring *out);
+/* colour_by_find() - find what flags name for a volume of theirs, as it is shown, and open it on
+ * the same device, unless it is open. world: of the picture. A volume that is a surface itself may
+ * be coloured by another field of its own: then shown->field becomes that one, and out->volume is
+ * NULL. Returns ST_USAGE where there is no such field or file, or where it has no such step at that
+ * time.
+ */
+CHECKED status colour_by_find(colour_by *b, const view_options *v, leafcast_axes world,
+                              leafcast_shown *shown, leafcast_colouring *out);
+void colour_by_close(colour_by *b);
+
 /* colour_by_world() - the axes of the world that a volume was opened in: those asked for, or its
  * own.
  */
 leafcast_axes colour_by_world(const leafcast *volume);
-
-void colour_by_close(colour_by *b);
 
 #endif

@@ -114,12 +114,18 @@ static status find_colouring(picture_scene *p, const picture_volume *volumes, in
         return ST_OK;
     if (!p->opens)
         return status_describe(ST_USAGE, "--colour-by is of leafcast render and probe");
-    const status st =
-        colour_by_find(&p->by[first], volumes[i].view, s->volume, &s->field, s->step, s->between,
-                       s->place, world_of(volumes, count), &p->colourings[i]);
+    const status st = colour_by_find(&p->by[first], volumes[i].view, world_of(volumes, count), s,
+                                     &p->colourings[i]);
     if (st == ST_OK && p->colourings[i].volume)
         s->colour_by = &p->colourings[i];
     return st;
+}
+
+/* Whose values colour an object's surfaces. */
+static leafcast_colouring colouring_of(const leafcast_shown *s) {
+    return s->colour_by
+               ? *s->colour_by
+               : (leafcast_colouring){.volume = s->volume, .field = s->field, .step = s->step};
 }
 
 /* The flags of an object's colours: by --colour-by, these have a default. */
@@ -133,24 +139,23 @@ static medium_options colours_of(const view_options *v) {
 /* Make the transfer function of one volume of the picture. first: as in find_colouring(). */
 static status fill_volume(picture_scene *p, const picture_volume *volumes, int volume, int first) {
     const leafcast_shown *shown = &p->shown[volume];
-    const leafcast_colouring own = {shown->volume, shown->field, shown->step, 0.0, NULL},
-                             *of = shown->colour_by ? shown->colour_by : &own;
+    const leafcast_colouring of = colouring_of(shown);
     const medium_options medium = colours_of(volumes[volume].view);
     const bool projected = volumes[0].view->scene.project != LEAFCAST_PROJECT_NONE;
     transfer_list *t = &p->transfer[volume];
     status st = ST_OK;
     const uint32_t opened = shown->colour_by ? p->by[first].opened : 0;
-    if (!p->measured[volume].known || p->measured[volume].field != of->field ||
+    if (!p->measured[volume].known || p->measured[volume].field != of.field ||
         p->measured[volume].opened != opened) {
         p->measured[volume].known = true;
         p->measured[volume].opened = opened;
-        p->measured[volume].field = of->field;
-        p->measured[volume].step = of->step;
+        p->measured[volume].field = of.field;
+        p->measured[volume].step = of.step;
     }
     transfer_list_release(t);
     const bool by_value = view_options_coloured(volumes[volume].view);
     if (projected ? volume == 0 : medium_options_given(&medium))
-        st = medium_options_make(&medium, of->volume, of->field, p->measured[volume].step,
+        st = medium_options_make(&medium, of.volume, of.field, p->measured[volume].step,
                                  projected || by_value, t);
     p->media[volume] = (leafcast_medium){t->points, by_value ? 0 : (int)t->count};
     p->colours[volume] = (leafcast_medium){t->points, (int)t->count};
@@ -250,11 +255,9 @@ void picture_scene_mark(const picture_scene *p, const picture_volume *volumes,
     const int filled = picture_scene_filled(p, scene), i = filled >= 0 ? filled : coloured(scene);
     double window[2];
     if (volumes[0].view->legend && i >= 0) {
-        const leafcast_shown *of = &scene->volumes[i];
-        const leafcast_colouring own = {of->volume, of->field, of->step, 0.0, NULL},
-                                 *by = of->colour_by ? of->colour_by : &own;
+        const leafcast_colouring of = colouring_of(&scene->volumes[i]);
         const char *title =
-            volumes[i].view->colour_by[0] ? leafcast_field_name(by->volume, by->field) : "";
+            volumes[i].view->colour_by[0] ? leafcast_field_name(of.volume, of.field) : "";
         medium_options_window(&volumes[i].view->medium, &p->transfer[i], window);
         legend_draw(image, camera->width, camera->height, &p->transfer[i], window, title, face);
     }

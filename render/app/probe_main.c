@@ -431,9 +431,12 @@ static status select_set(probe_options *o, leafcast *volume, json_t *answer) {
     status st = view_options_field(v, volume, &field);
     if (st == ST_OK)
         st = time_options_find(&v->time, volume, &v->step);
-    if (st == ST_OK && v->colour_by[0])
-        st = colour_by_find(&o->by, v, volume, &field, v->step, v->time.between, NULL,
-                            colour_by_world(volume), &o->colouring);
+    if (st == ST_OK && v->colour_by[0]) {
+        leafcast_shown shown = {
+            .volume = volume, .field = field, .step = v->step, .between = v->time.between};
+        st = colour_by_find(&o->by, v, colour_by_world(volume), &shown, &o->colouring);
+        field = shown.field;
+    }
     if (st == ST_OK && o->colouring.volume)
         st = render_status(leafcast_select_between(o->colouring.volume, o->colouring.field,
                                                    o->colouring.step, o->colouring.between));

@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "formats/leaf/leaf_file.h"
-#include "formats/leaf/leaf_unpacker.h"
 #include "formats/leaf/triangle_geometry.h"
+#include "render/bench/peer_tets.h"
 
 typedef struct loading {
     leaf_file *file;
@@ -36,18 +36,13 @@ static bool put(const loading *x, uint32_t t, const void *topology) {
 static status load_treelet(void *ctx, size_t index, int worker) {
     const loading *x = ctx;
     const uint32_t t = (uint32_t)index;
-    mem *m = x->mesh->m;
-    leaf_unpacker *u = NULL;
-    void *topology = mem_alloc(m, leaf_layout_payload_bytes(&x->file->layout, t));
+    void *topology;
     (void)worker;
-    status st = topology ? leaf_unpacker_create(m, x->file, &u) : ST_NOMEM;
-    if (st == ST_OK)
-        st = leaf_file_load(x->file, t, u, topology);
+    status st = peer_tets_payload(x->mesh->m, x->file, t, &topology);
     if (st == ST_OK && !put(x, t, topology))
         st = status_describe(ST_CORRUPT, "%s: treelet %u: a corner is none of its vertices",
                              file_path(x->file->source), t);
-    leaf_unpacker_destroy(u);
-    mem_free(m, topology);
+    mem_free(x->mesh->m, topology);
     return st;
 }
 

@@ -9,12 +9,12 @@
 
 /* ---- Loading ---- */
 
-static status load_payload(const peer_tets *x, uint32_t p, void **payload) {
+status peer_tets_payload(mem *m, leaf_file *f, uint32_t p, void **payload) {
     leaf_unpacker *u = NULL;
-    *payload = mem_alloc(x->m, leaf_layout_payload_bytes(&x->file->layout, p));
-    status st = *payload ? leaf_unpacker_create(x->m, x->file, &u) : ST_NOMEM;
+    *payload = mem_alloc(m, leaf_layout_payload_bytes(&f->layout, p));
+    status st = *payload ? leaf_unpacker_create(m, f, &u) : ST_NOMEM;
     if (st == ST_OK)
-        st = leaf_file_load(x->file, p, u, *payload);
+        st = leaf_file_load(f, p, u, *payload);
     leaf_unpacker_destroy(u);
     return st;
 }
@@ -23,11 +23,12 @@ static status load_treelet(void *ctx, size_t index, int worker) {
     const peer_tets *x = ctx;
     const uint32_t t = (uint32_t)index;
     (void)worker;
-    status st = load_payload(x, t, &x->topology[t]);
+    status st = peer_tets_payload(x->m, x->file, t, &x->topology[t]);
     if (st == ST_OK)
         st = mesh_leaf_check_loaded(x->file, t, x->topology[t]);
     if (st == ST_OK)
-        st = load_payload(x, leaf_layout_values(&x->file->layout, 0, t), &x->values[t]);
+        st = peer_tets_payload(x->m, x->file, leaf_layout_values(&x->file->layout, 0, t),
+                               &x->values[t]);
     return st;
 }
 

@@ -16,6 +16,9 @@ typedef struct peer_tets {
     mem *m;
 } peer_tets;
 
+/* peer_tets_payload() - a payload of any file, in memory of its own; mem_free() in any case. */
+CHECKED status peer_tets_payload(mem *m, leaf_file *f, uint32_t p, void **payload);
+
 /* peer_tets_load() - peer_tets_release() in any case. */
 CHECKED status peer_tets_load(mem *m, const char *path, pool *threads, peer_tets *tets);
 void peer_tets_release(peer_tets *tets);

@@ -19,13 +19,13 @@ static hex_block_fn kernel_of(const tracer *tr) {
 
 /* ---- An open volume ---- */
 
-static void curvilinear_describe(const leafcast *v, leafcast_info *info) {
+static void curvilinear_describe(const leafcast *v, uint32_t step, leafcast_info *info) {
     const curvilinear_directory *d = curvilinear_directory_of(v->file);
     info->cells = d->first[v->file->layout.treelets];
     info->nodes = 0;
     for (uint32_t z = 0; z < v->file->header.zones; z++)
         info->nodes += (uint64_t)d->zones[z][0] * d->zones[z][1] * d->zones[z][2];
-    tree_describe(v, 1.0 / (double)info->cells, info);
+    tree_describe(v, step, 1.0 / (double)info->cells, info);
 }
 
 CPU_KERNELS(tile_fn, curvilinear_tile_kernels, NULL, curvilinear_tile);

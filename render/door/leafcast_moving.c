@@ -58,7 +58,7 @@ leafcast_status leafcast_update_vertices(leafcast *v, const float (*positions)[3
         st = live_steps_begin(v->live, &step);
     if (st != ST_OK)
         return public_status(st);
-    st = moving_surface_put((moving_surface *)(uintptr_t)v->file->moving, step, positions);
+    st = moving_surface_put(v->file->moving, step, positions);
     live_steps_end(v->live, step, st == ST_OK);
     return public_status(st);
 }

@@ -143,7 +143,7 @@ void volume_release(leafcast *v) {
     mem_free(v->m, v->stop);
     mem_free(v->m, v->touched);
     live_steps_destroy(v->live);
-    moving_surface *moving = v->file ? (moving_surface *)(uintptr_t)v->file->moving : NULL;
+    moving_surface *moving = v->file ? v->file->moving : NULL;
     leaf_file_close(v->file);
     moving_surface_destroy(moving);
     pthread_rwlock_destroy(&v->steps);
@@ -286,8 +286,7 @@ static uint32_t steps_of(const leafcast *v) {
 static void tell_steps(const leafcast *v, leafcast_info *info) {
     live_hold h;
     const uint32_t step = volume_hold(v, 0, &h);
-    const leafcast held = {.file = v->file, .kind = v->kind, .space = v->space, .set = step};
-    (v->live ? &held : v)->kind->describe(v->live ? &held : v, info);
+    v->kind->describe(v, step, info);
     const leaf_header *head = &v->file->header;
     const float *now = v->file->ranges[leaf_layout_samples(&v->file->layout, step, 0)];
     info->steps = steps_of(v);

@@ -82,7 +82,7 @@ static homogeneous homogeneous_of(const scene_look *l, int i) {
     const leafcast_scene_experiments *e = l->turn->scene.experiments;
     leafcast_info info = {0};
     double square = 0.0;
-    v->kind->describe(v, &info);
+    v->kind->describe(v, leaf_layout_step(&v->file->layout, v->set), &info);
     for (int a = 0; a < 3; a++)
         square += (info.bounds[1][a] - info.bounds[0][a]) * (info.bounds[1][a] - info.bounds[0][a]);
     const double longest = sqrt(square) * (l->turn->place[i].moved ? l->turn->place[i].grow : 1.0);
@@ -103,7 +103,7 @@ static void shade_media(scene_look *l) {
         if (l->media[i].spans == 0)
             continue;
         const kind *k = t->tracers[i].kind;
-        v->kind->describe(v, &info);
+        v->kind->describe(v, leaf_layout_step(&v->file->layout, v->set), &info);
         shown_range(l, i, range);
         if (t->place[i].moved)
             info.cell_size *= t->place[i].size;

@@ -59,7 +59,8 @@ static void grid_close(leafcast *v) {
 }
 
 /* Describe what a grid has, where it is, and how large its cells are. */
-static void grid_describe(const leafcast *v, leafcast_info *info) {
+static void grid_describe(const leafcast *v, uint32_t step, leafcast_info *info) {
+    (void)step;
     const leaf_header *h = &v->file->header;
     info->cells = info->nodes = 1;
     info->abilities = LEAFCAST_ABILITY_LEVELS | LEAFCAST_ABILITY_LAYERS |

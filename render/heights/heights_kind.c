@@ -46,7 +46,8 @@ static void corners_of(const leafcast *v, double corners[8][3]) {
     }
 }
 
-static void heights_describe(const leafcast *v, leafcast_info *info) {
+static void heights_describe(const leafcast *v, uint32_t step, leafcast_info *info) {
+    (void)step;
     const leaf_header *h = &v->file->header;
     double corners[8][3];
     info->abilities = LEAFCAST_ABILITY_LEVELS | LEAFCAST_ABILITY_GIVEN;

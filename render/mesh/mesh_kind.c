@@ -63,12 +63,12 @@ static void mesh_close(leafcast *v) {
 
 /* Describe a mesh. cell_size is computed as if the tets filled the mesh's bounds, and six of them
  * made a cube. */
-static void mesh_describe(const leafcast *v, leafcast_info *info) {
+static void mesh_describe(const leafcast *v, uint32_t step, leafcast_info *info) {
     const leaf_header *h = &v->file->header;
     info->cells = h->tets;
     info->nodes = h->vertices;
     info->abilities = LEAFCAST_ABILITY_SMOOTH_NORMALS | LEAFCAST_ABILITY_PACKETS;
-    tree_describe(v, 6.0 / (double)h->tets, info);
+    tree_describe(v, step, 6.0 / (double)h->tets, info);
 }
 
 /* ---- A frame ---- */

@@ -14,10 +14,10 @@ static const mixed_blocks *blocks_of(const treelet *at) {
 
 /* ---- An open volume ---- */
 
-static void mixed_describe(const leafcast *v, leafcast_info *info) {
+static void mixed_describe(const leafcast *v, uint32_t step, leafcast_info *info) {
     info->cells = v->file->header.tets;
     info->nodes = v->file->header.vertices;
-    tree_describe(v, 1.0 / (double)info->cells, info);
+    tree_describe(v, step, 1.0 / (double)info->cells, info);
 }
 
 CPU_KERNELS(tile_fn, mixed_tile_kernels, NULL, mixed_tile);

@@ -102,8 +102,8 @@ typedef struct kind {
     status (*open)(leafcast *v);
     void (*close)(leafcast *v);
     /* Fill in what cells there are and what they can do: cells, nodes, abilities; dims, if nodes
-     * form a lattice; bounds; and cell_size, which the caller has set to 1. */
-    void (*describe)(const leafcast *v, leafcast_info *info);
+     * form a lattice; bounds, at this step; and cell_size, which the caller has set to 1. */
+    void (*describe)(const leafcast *v, uint32_t step, leafcast_info *info);
 
     /* ---- A frame ---- */
 

@@ -47,11 +47,11 @@ static const kind_tiles tiles = {.side = TRIANGLE_TILE,
 static const kind_batches batches = {.scratch = TRIANGLE_BATCH_SCRATCH,
                                      .hits = triangle_batch_kernels};
 
-static void triangle_describe(const leafcast *v, leafcast_info *info) {
+static void triangle_describe(const leafcast *v, uint32_t step, leafcast_info *info) {
     info->cells = v->file->header.tets;
     info->nodes = v->file->header.vertices;
     info->abilities = LEAFCAST_ABILITY_GIVEN;
-    tree_describe(v, 1.0, info);
+    tree_describe(v, step, 1.0, info);
     /* A share of the box's largest side: a surface in a plane has no other. */
     double side[3];
     for (int a = 0; a < 3; a++)

@@ -73,19 +73,7 @@ typedef struct block_walk {
 } block_walk;
 
 static bool enter(const block_walk *w, tree_passage_node *node) {
-    const float *bounds = w->tree->bounds[node->level][node->i];
-    double lo[3], hi[3];
-    box_interval in;
-    if (!w->tree->active[node->level][node->i])
-        return false;
-    for (int a = 0; a < 3; a++) {
-        lo[a] = (double)bounds[a];
-        hi[a] = (double)bounds[a + 3];
-    }
-    if (!box_interval_in(&w->slabs, lo, hi, &in) || in.t_out < w->behind)
-        return false;
-    node->t_in = in.t_in;
-    return true;
+    return tree_passage_enters(w->tree, &w->slabs, w->behind, node);
 }
 
 static void begin_walk(block_walk *w, const treelet_tree *tree, const ray *r, const hit *after) {

@@ -134,10 +134,10 @@ void cell_walks_cell_in(const leafcast *v, const treelet *at, const double point
 
 /* ---- A volume and a frame ---- */
 
-void cell_walks_describe(const leafcast *v, leafcast_info *info) {
+void cell_walks_describe(const leafcast *v, uint32_t step, leafcast_info *info) {
     const leaf_cells_directory *d = leaf_cells_directory_of(v->file);
     info->cells = d->first[v->file->layout.treelets];
-    tree_describe(v, 1.0 / (double)info->cells, info);
+    tree_describe(v, step, 1.0 / (double)info->cells, info);
 }
 
 status cell_walks_check(const leafcast *v, const leafcast_scene *scene) {

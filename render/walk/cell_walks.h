@@ -65,6 +65,6 @@ void cell_walks_cell_in(const leafcast *v, const treelet *at, const double point
                         leafcast_sample *out);
 
 /* cell_walks_describe() - cells, bounds and cell_size of a volume of such cells. */
-void cell_walks_describe(const leafcast *v, leafcast_info *info);
+void cell_walks_describe(const leafcast *v, uint32_t step, leafcast_info *info);
 
 #endif

@@ -7,19 +7,7 @@ static bool passage_less(tree_passage a, tree_passage b) {
 }
 
 static bool enter(const tree_passages *s, tree_passage_node *node) {
-    const float *bounds = s->tree->bounds[node->level][node->i];
-    double lo[3], hi[3];
-    box_interval in;
-    if (!s->tree->active[node->level][node->i])
-        return false;
-    for (int a = 0; a < 3; a++) {
-        lo[a] = (double)bounds[a];
-        hi[a] = (double)bounds[a + 3];
-    }
-    if (!box_interval_in(&s->slabs, lo, hi, &in) || in.t_out < s->behind)
-        return false;
-    node->t_in = in.t_in;
-    return true;
+    return tree_passage_enters(s->tree, &s->slabs, s->behind, node);
 }
 
 /* ---- Nodes by where the ray enters them ---- */

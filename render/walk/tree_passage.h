@@ -23,6 +23,25 @@ typedef struct tree_passage_node {
     uint32_t level, i;
 } tree_passage_node;
 
+/* tree_passage_enters() - whether the ray enters a node, active, that it does not leave before
+ * `behind`: sets its t_in. */
+static inline bool tree_passage_enters(const treelet_tree *tree, const box_line *line,
+                                       double behind, tree_passage_node *node) {
+    const float *bounds = tree->bounds[node->level][node->i];
+    double lo[3], hi[3];
+    box_interval in;
+    if (!tree->active[node->level][node->i])
+        return false;
+    for (int a = 0; a < 3; a++) {
+        lo[a] = (double)bounds[a];
+        hi[a] = (double)bounds[a + 3];
+    }
+    if (!box_interval_in(line, lo, hi, &in) || in.t_out < behind)
+        return false;
+    node->t_in = in.t_in;
+    return true;
+}
+
 /* Enough for some hundreds of overlapping boxes with the ray in all of them. Beyond that, each next
  * treelet is searched from the root. */
 enum { TREE_PASSAGES_AHEAD = 256 };

@@ -35,8 +35,8 @@ void tree_span(const leafcast *v, uint32_t t, double span[2][3]) {
     box3_share_of(bounds[t], leaf_file_bounds(v->file, v->step), span);
 }
 
-void tree_describe(const leafcast *v, double share, leafcast_info *info) {
-    const float *bounds = leaf_file_bounds(v->file, leaf_layout_step(&v->file->layout, v->set));
+void tree_describe(const leafcast *v, uint32_t step, double share, leafcast_info *info) {
+    const float *bounds = leaf_file_bounds(v->file, step);
     for (int a = 0; a < 3; a++) {
         info->bounds[0][a] = (double)bounds[a];
         info->bounds[1][a] = (double)bounds[a + 3];
@@ -47,7 +47,7 @@ void tree_describe(const leafcast *v, double share, leafcast_info *info) {
 
 double tree_cells_along(const leafcast *v, const double vector[3]) {
     leafcast_info info = {.cell_size = 1.0};
-    v->kind->describe(v, &info);
+    v->kind->describe(v, leaf_layout_step(&v->file->layout, v->set), &info);
     return sqrt(vec3_dot(vector, vector)) / info.cell_size;
 }
 

@@ -21,6 +21,6 @@ uint32_t tree_box_at(const treelet_tree *tree, const double point[3], uint32_t a
 
 /* tree_describe() - set bounds, and cell_size to the edge of a cube with this share of the bounds'
  * volume: the share of one cell. */
-void tree_describe(const leafcast *v, double share, leafcast_info *info);
+void tree_describe(const leafcast *v, uint32_t step, double share, leafcast_info *info);
 
 #endif
