@@ -34,9 +34,12 @@ typedef struct grid {
     double *axis[3]; /* rectilinear: dims[a] strictly increasing coordinates; all three NULL for a
                         regular grid */
     char name[GRID_NAME_MAX];
-    bool heights;                 /* a height field, one layer of cells thick: heights_slices.h */
-    world_frame frame;            /* which way the world's axes point, and their units */
-    absent_parts absent;          /* how many samples its file lacks */
+    bool heights;        /* a height field, one layer of cells thick: heights_slices.h */
+    bool terrain;        /* its one slice is elevations: to be made a height field */
+    world_frame frame;   /* which way the world's axes point, and their units */
+    absent_parts absent; /* how many samples its file lacks */
+    bool has_missing;    /* of an importer: samples that are `missing` stand for no data */
+    double missing;
     char note[GRID_NOTE_MAX];     /* what its file says but the reader did not apply; "": nothing */
     char place[GRID_PLACE_MAX];   /* of an importer: where the samples lie in its input as they are,
                                      sample_place_print(); "": nowhere */

@@ -25,7 +25,6 @@ typedef struct grid_reader {
      */
     status (*layout)(volume_layout *l, const volume_hints *hints);
     status (*slices)(volume_layout *l, const volume_hints *hints, slice_source *out);
-    bool terrain; /* it is terrain, whether volume_hints.heights asks for it or not */
 } grid_reader;
 
 #endif

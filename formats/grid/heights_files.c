@@ -8,11 +8,12 @@
 #include "formats/base/num.h"
 #include "formats/base/text.h"
 
-/* Place a grid of rows from north to south; first: the world place of its north-west node. */
+/* Place terrain of rows from north to south; first: the world place of its north-west node. */
 static void place(volume_layout *l, const double spacing[2], const double first[2]) {
     double direction[3][3] = {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
     const double spacings[3] = {spacing[0], spacing[1], 1}, origin[3] = {first[0], first[1], 0};
     volume_layout_place(l, direction, spacings, origin);
+    l->g.terrain = true;
 }
 
 static void set_missing(volume_layout *l, double value) {
@@ -142,7 +143,7 @@ static status asc_layout(volume_layout *l, const volume_hints *hints) {
 }
 
 const grid_reader heights_asc_reader = {
-    .format = "Arc ASCII grid", .known = asc_known, .layout = asc_layout, .terrain = true};
+    .format = "Arc ASCII grid", .known = asc_known, .layout = asc_layout};
 
 /* ---- SRTM tiles ---- */
 
@@ -194,4 +195,4 @@ static status hgt_layout(volume_layout *l, const volume_hints *hints) {
 }
 
 const grid_reader heights_hgt_reader = {
-    .format = "SRTM tile", .known = hgt_known, .layout = hgt_layout, .terrain = true};
+    .format = "SRTM tile", .known = hgt_known, .layout = hgt_layout};

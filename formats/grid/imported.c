@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "formats/base/sibling.h"
+#include "formats/grid/heights_slices.h"
 #include "formats/grid/imported_chunks.h"
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/nrrd.h"
@@ -133,6 +134,8 @@ static status open_slices(mem *m, const foreign_format *f, const char *path,
         st = nrrd_reader.layout(&l, hints);
     if (st == ST_OK) /* the importer has applied the hints */
         st = volume_layout_settle(&l, &(volume_hints){0});
+    if (st == ST_OK && !tiles && (hints->heights || l.g.terrain))
+        heights_layout(&l);
     if (st == ST_OK)
         st = volume_layout_check(&l);
     if (st == ST_OK) {

@@ -465,6 +465,9 @@ static void read_words(const nrrd *n) {
     const header_field *note = header_fields_find_pair(&n->fields, "leafcast note");
     const header_field *place = header_fields_find_pair(&n->fields, "leafcast place");
     const header_field *fields = header_fields_find_pair(&n->fields, "leafcast fields");
+    const header_field *missing = header_fields_find_pair(&n->fields, "leafcast missing");
+    n->l->g.terrain = header_fields_find_pair(&n->fields, "leafcast terrain") != NULL;
+    n->l->has_missing = missing && num_double(missing->value, "", &n->l->missing) == ST_OK;
     if (absent)
         absent_parse(absent->value, &n->l->g.absent);
     if (note)

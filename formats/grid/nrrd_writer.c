@@ -111,6 +111,11 @@ status nrrd_write_header(out_stream *out, const grid *g) {
     if (g->absent.count)
         absent_pair(&g->absent, absent);
     put_pair(h, "leafcast absent", absent);
+    char missing[NUM_TEXT_MAX] = "";
+    if (g->has_missing)
+        num_print(g->missing, missing);
+    put_pair(h, "leafcast missing", missing);
+    put_pair(h, "leafcast terrain", g->terrain ? "yes" : "");
     put_pair(h, "leafcast note", g->note);
     put_pair(h, "leafcast place", g->place);
     put_pair(h, "leafcast fields", g->fields);

@@ -21,6 +21,7 @@
 #include "formats/grid/pvm.h"
 #include "formats/grid/rawfile.h"
 #include "formats/grid/slc.h"
+#include "formats/grid/usgs_dem.h"
 #include "formats/grid/vtk_grid_legacy.h"
 #include "formats/grid/vtk_grid_parts.h"
 #include "formats/grid/vtk_grid_xml.h"
@@ -55,6 +56,7 @@ static const grid_reader *const readers[] = {
     &xdmf_reader,
     &heights_asc_reader,
     &heights_hgt_reader,
+    &usgs_dem_reader,
     &imported_reader,
     &raw_reader,
 };
@@ -176,7 +178,7 @@ static status open_layout(const grid_reader *r, volume_layout *l, const volume_h
     status st = r->layout(l, hints);
     if (st == ST_OK)
         st = volume_layout_settle(l, hints);
-    if (st == ST_OK && (hints->heights || r->terrain))
+    if (st == ST_OK && (hints->heights || l->g.terrain))
         heights_layout(l);
     if (st == ST_OK)
         st = volume_layout_check(l);
@@ -200,7 +202,8 @@ static status open_reader(volume_layout *l, const volume_hints *hints, slice_sou
 
 /* Apply the hints. v->from must be set. */
 static status begin(volume *v, const volume_hints *hints) {
-    status st = hints->heights || v->from.g.heights ? heights_slices(&v->from) : ST_OK;
+    const bool terrain = hints->heights || v->from.g.heights || v->from.g.terrain;
+    status st = terrain ? heights_slices(&v->from) : ST_OK;
     if (st == ST_OK)
         st = apply_hints(&v->from, hints);
     v->g = v->from.g;

@@ -24,11 +24,8 @@
 #define MESH                                                                                     \
     "`leafcast convert' takes its tets; its surface as .ply, as `meshio convert' writes it, is " \
     "filled by `leafcast tetrahedralize'"
-#define BLOCKS CONVERT "; or give one of the files that it names"
-#define UNPACK "it is unpacked on the way where its name ends in .gz, .bz2, .xz or .zst"
-#define HEIGHTS                                                                                   \
-    "heights are no volume, but z - height(x, y) on a grid is one (as .npy, with Python), whose " \
-    "surface at 0 is the ground"
+#define BLOCKS     CONVERT "; or give one of the files that it names"
+#define UNPACK     "it is unpacked on the way where its name ends in .gz, .bz2, .xz or .zst"
 #define MESHIO(in) "`meshio convert " in " out.vtu' (python3-meshio) writes what is read"
 #define UCD \
     "`meshio convert --input-format avsucd in.inp out.vtu' (python3-meshio) writes what is read"
@@ -180,7 +177,6 @@ static const row rows[] = {
           ""),
     KNOWN("a legacy VTK structured grid", CONVERT, ANYWHERE, BYTES("DATASET STRUCTURED_GRID"), ""),
     KNOWN("legacy VTK surface data", CONVERT, ANYWHERE, BYTES("DATASET POLYDATA"), ""),
-    REFUSED("a USGS DEM, heights over a map", HEIGHTS, 0, NO_BYTES, ".dem "),
     REFUSED("EnSight", PARAVIEW, 0, BYTES("EnSight"), ".case "),
     REFUSED_IF("Abaqus", MESHIO("in.inp"), foreign_is_abaqus, ".inp "),
     REFUSED_IF_BOTH("AVS UCD", UCD, foreign_is_ucd, ".inp .avs .ucd "),

@@ -81,7 +81,7 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
     leaf_tell_begin(f, to);
     tell_samples(f, to);
     leaf_tell_print_fields(f, to);
-    leaf_tell_values(f, to, "samples");
+    leaf_tell_values(f, to, "samples", is_heights(f) ? 2 : 1);
     leaf_tell_print_steps(f, to);
     tell_rounding(&f->header, to);
     print_place(f, to);

@@ -17,17 +17,19 @@ void leaf_tell_begin(const leaf_file *f, const fact_sheet *to) {
     fact_sheet_text(to, "id", id);
 }
 
-void leaf_tell_values(const leaf_file *f, const fact_sheet *to, const char *counted) {
+void leaf_tell_values(const leaf_file *f, const fact_sheet *to, const char *counted,
+                      unsigned copies) {
     const leaf_header *h = &f->header;
     char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
     fact_sheet_line(to, "values", "%s .. %s", num_print(h->value_min, a),
                     num_print(h->value_max, b));
-    if (h->non_finite)
+    const uint64_t non_finite = h->non_finite / copies;
+    if (non_finite)
         fact_sheet_line(to, "no data", "%llu %s are NaN or infinite",
-                        (unsigned long long)h->non_finite, counted);
+                        (unsigned long long)non_finite, counted);
     fact_sheet_real(to, "value_min", h->value_min);
     fact_sheet_real(to, "value_max", h->value_max);
-    fact_sheet_whole(to, "non_finite", h->non_finite);
+    fact_sheet_whole(to, "non_finite", non_finite);
 }
 
 /* ---- fields and steps ---- */
@@ -185,7 +187,7 @@ void leaf_tell_bytes(const leaf_file *f, const fact_sheet *to, double raw) {
 static void tell_other(const leaf_file *f, const fact_sheet *to) {
     leaf_tell_begin(f, to);
     leaf_tell_print_fields(f, to);
-    leaf_tell_values(f, to, "values");
+    leaf_tell_values(f, to, "values", 1);
     leaf_tell_print_steps(f, to);
     leaf_tell_bytes(f, to, (double)f->header.payload_bytes);
     leaf_tell_set_fields(f, to);

@@ -33,8 +33,9 @@ extern const leaf_teller leaf_tell_other;
 void leaf_tell_begin(const leaf_file *f, const fact_sheet *to);
 
 /* leaf_tell_values() - tell the range of all values, and how many are not finite. counted: what
- * these are called. */
-void leaf_tell_values(const leaf_file *f, const fact_sheet *to, const char *counted);
+ * these are called; copies: how often the file has each. */
+void leaf_tell_values(const leaf_file *f, const fact_sheet *to, const char *counted,
+                      unsigned copies);
 
 /* leaf_tell_print_fields(), leaf_tell_print_steps() - the lines about fields and steps.
  * leaf_tell_set_fields() - the values about both. */

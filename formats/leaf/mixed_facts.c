@@ -44,7 +44,7 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
     leaf_tell_begin(f, to);
     tell_cells(h, count_quadratic(f), to);
     leaf_tell_print_fields(f, to);
-    leaf_tell_values(f, to, "values");
+    leaf_tell_values(f, to, "values", 1);
     leaf_tell_print_steps(f, to);
     leaf_tell_coarse(f, to);
     leaf_tell_bounds(f, to);

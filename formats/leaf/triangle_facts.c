@@ -31,7 +31,7 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
     leaf_tell_begin(f, to);
     tell_cells(h, to);
     leaf_tell_print_fields(f, to);
-    leaf_tell_values(f, to, "values");
+    leaf_tell_values(f, to, "values", 1);
     leaf_tell_print_steps(f, to);
     leaf_tell_bounds(f, to);
     fact_sheet_line(to, "treelets", "%llu of up to %u triangles, runs at %u, %s",

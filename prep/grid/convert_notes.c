@@ -5,6 +5,9 @@
 
 #include "formats/base/num.h"
 
+#define DEGREE 111195.0 /* metres of latitude on a ball of the earth's mean radius */
+#define FOOT   0.3048
+
 /* Returns the extent of a grid along world axis a. The grid's axis a must be parallel to it. */
 static double extent(const grid *g, int a) {
     const uint32_t last = g->dims[a] - 1;
@@ -24,11 +27,22 @@ static void note_units(const cli_common *common, const grid *g) {
              common->input, across, up, wide, high, wide / high / 2);
 }
 
+/* Elevations have no extent yet, but a degree of latitude has. */
+static void note_degrees(const cli_common *common, const grid *g) {
+    const bool feet = strstr(g->frame.unit[2], "ft") != NULL;
+    if (strncmp(g->frame.unit[0], "degree", 6) != 0 || strncmp(g->frame.unit[2], "degree", 6) == 0)
+        return;
+    cli_note(common, 1,
+             "%s: degrees across stand beside elevations in %s: --exaggerate=%.2g shows them in "
+             "proportion, as a degree of latitude is 111 km",
+             common->input, feet ? "feet" : "metres", (feet ? FOOT : 1.0) / DEGREE);
+}
+
 void convert_note_grid(const cli_common *common, const grid *g, bool exaggerated) {
     if (g->note[0])
         cli_note(common, 1, "%s: %s", common->input, g->note);
     if (!exaggerated)
-        note_units(common, g);
+        (g->heights ? note_degrees : note_units)(common, g);
 }
 
 /* The value is printed in the form that --missing takes. That is compared in the samples' own

@@ -105,16 +105,24 @@ static leafcast_axes world_of(const picture_volume *volumes, int count) {
     return axes;
 }
 
-/* Find what colours surfaces of object i by another volume's values. first: the first object of the
- * same flags, at another place. */
+/* The first object of the same volume that is coloured by the same: it keeps what is open. */
+static int keeper_of(const picture_volume *volumes, int i) {
+    int k = 0;
+    while (k < i && (volumes[k].volume != volumes[i].volume ||
+                     strcmp(volumes[k].view->colour_by, volumes[i].view->colour_by) != 0))
+        k++;
+    return k;
+}
+
+/* Find what colours surfaces of object i by another volume's values. */
 static status find_colouring(picture_scene *p, const picture_volume *volumes, int count, int i,
-                             int first) {
+                             int keeper) {
     leafcast_shown *s = &p->shown[i];
     if (!volumes[i].view->colour_by[0])
         return ST_OK;
     if (!p->opens)
         return status_describe(ST_USAGE, "--colour-by is of leafcast render and probe");
-    const status st = colour_by_find(&p->by[first], volumes[i].view, world_of(volumes, count), s,
+    const status st = colour_by_find(&p->by[keeper], volumes[i].view, world_of(volumes, count), s,
                                      &p->colourings[i]);
     if (st == ST_OK && p->colourings[i].volume)
         s->colour_by = &p->colourings[i];
@@ -136,15 +144,15 @@ static medium_options colours_of(const view_options *v) {
     return o;
 }
 
-/* Make the transfer function of one volume of the picture. first: as in find_colouring(). */
-static status fill_volume(picture_scene *p, const picture_volume *volumes, int volume, int first) {
+/* Make the transfer function of one volume of the picture. */
+static status fill_volume(picture_scene *p, const picture_volume *volumes, int volume, int keeper) {
     const leafcast_shown *shown = &p->shown[volume];
     const leafcast_colouring of = colouring_of(shown);
     const medium_options medium = colours_of(volumes[volume].view);
     const bool projected = volumes[0].view->scene.project != LEAFCAST_PROJECT_NONE;
     transfer_list *t = &p->transfer[volume];
     status st = ST_OK;
-    const uint32_t opened = shown->colour_by ? p->by[first].opened : 0;
+    const uint32_t opened = shown->colour_by ? p->by[keeper].opened : 0;
     if (!p->measured[volume].known || p->measured[volume].field != of.field ||
         p->measured[volume].opened != opened) {
         p->measured[volume].known = true;
@@ -190,10 +198,10 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
     if (st != ST_OK || (count == 1 && !filled && !by_value && !always))
         return st;
     st = make_room(p, count);
-    for (int i = 0, one = 0; i < count && st == ST_OK; i++) {
+    for (int i = 0; i < count && st == ST_OK; i++) {
         const view_options *v = volumes[i].view;
+        const int keeper = v->colour_by[0] ? keeper_of(volumes, i) : i;
         uint32_t field;
-        one = v == volumes[one].view ? one : i;
         st = view_options_field(v, volumes[i].volume, &field);
         p->shown[i] = (leafcast_shown){.volume = volumes[i].volume,
                                        .field = field,
@@ -203,9 +211,9 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
                                        .between = v->time.between,
                                        .place = volumes[i].place};
         if (st == ST_OK)
-            st = find_colouring(p, volumes, count, i, one);
+            st = find_colouring(p, volumes, count, i, keeper);
         if (st == ST_OK && (filled || view_options_coloured(v)))
-            st = fill_volume(p, volumes, i, one);
+            st = fill_volume(p, volumes, i, keeper);
     }
     scene->volumes = p->shown;
     scene->volume_count = count;

@@ -34,7 +34,7 @@ typedef struct picture_scene {
     leafcast_medium *media;   /* the same, for the scene */
     leafcast_medium *colours; /* of surfaces, by value */
     picture_measured *measured;
-    colour_by *by;                  /* of the first of a volume's places; */
+    colour_by *by;                  /* of the first object of its volume and --colour-by; */
     leafcast_colouring *colourings; /* of all */
     transfer_list caps;             /* colours of caps; empty: the surfaces' own */
     leafcast_medium cap_colours;

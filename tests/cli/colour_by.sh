@@ -149,6 +149,11 @@ view='--eye 50,40,34 --look-at 8,8,8'
     draw two_places "$tmp/there/moved.json" --eye 54,48,66 --look-at 12,16,40 --clip-plane 0,0,1,-25
     same_share=$(cmp -l "$tmp/two_places.ppm" "$tmp/own.ppm" | wc -l)
     ok "a field moves with its object ($same_share bytes differ)" [ "$same_share" -lt 100 ]
+    one='{"file": "both.leaf", "iso": 6, "colour-by": "heat.leaf"}'
+    many=$(yes "$one," | head -69)
+    echo '{"objects": ['"$many $one], $places}" >"$tmp/there/many.json"
+    exits "70 objects where 40 files may be open" 0 sh -c 'ulimit -n 40; exec "$@"' sh "$leafcast" render "$tmp/there/many.json" -q -o "$tmp/many.ppm"
+    ok "open what colours them once" cmp "$tmp/many.ppm" "$tmp/own.ppm"
     echo '{"objects": [{"file": "both.leaf", "iso": 6, "colour-by": "../heat.leaf"}], '"$places}" >"$tmp/there/up.json"
     exits "a file elsewhere" 3 "$leafcast" render "$tmp/there/up.json" -q -o "$tmp/x.ppm"
     draw up "$tmp/there/up.json" --follow-links

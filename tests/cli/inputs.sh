@@ -212,7 +212,7 @@ done
 
 printf 'HEIGHTS OF HILLS' >"$tmp/hills.dem"
 exits "a USGS DEM" 3 "$leafcast" convert "$tmp/hills.dem" -o "$tmp/x.leaf" --force
-ok "is named, with what to do" says "this is a USGS DEM, heights over a map.*z - height"
+ok "is told what was expected" says "hills.dem: the record that ends at byte 16: expected the number of a reference system"
 
 # ---- what a library of its own reads: the verb import-X, run by the others ----
 

@@ -1,11 +1,13 @@
 /* fuzz_image.c - hostile images, as far as the importer reads them itself: the pages and strips of
- * a TIFF, where its samples can stay, the end of a JPEG. The first byte chooses.
+ * a TIFF, where its samples can stay, its map, the end of a JPEG. The first byte chooses.
  */
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "prep/import/images/geotiff.h"
 #include "prep/import/images/jpeg_end.h"
 #include "prep/import/images/tiff_pages.h"
 #include "prep/import/images/tiff_place.h"
@@ -29,12 +31,22 @@ static void find_place(mem *m, const char *path, uint32_t component) {
     tiff_place_release(&keep);
 }
 
+/* A map is invertible, and finite. */
+static void find_map(mem *m, const char *path) {
+    geotiff g;
+    if (geotiff_read(m, path, &g) == ST_OK && g.placed &&
+        !(fabs(g.map[0][0] * g.map[1][1] - g.map[0][1] * g.map[1][0]) > 0))
+        abort();
+    geotiff_release(&g);
+}
+
 static void look_at(mem *m, const char *path, uint8_t how) {
     uint64_t pages;
-    switch (how % 4) {
+    switch (how % 5) {
     case 0: (void)!tiff_pages_count(m, path, &pages); break;
     case 1: (void)!jpeg_end_check(m, path); break;
-    default: find_place(m, path, how % 4 - 2); break;
+    case 4: find_map(m, path); break;
+    default: find_place(m, path, how % 5 - 2); break;
     }
 }
 

@@ -24,11 +24,11 @@ static void read_all(volume *v) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static const char *const names[] = {"nrrd", "mha", "json", "raw"};
+    static const char *const names[] = {"nrrd", "mha", "json", "raw", "dem", "asc", "hgt", "nrrd"};
     char path[64];
     if (size == 0)
         return 0;
-    snprintf(path, sizeof path, "/dev/shm/leafcast-fuzz-%d.%s", (int)getpid(), names[data[0] % 4]);
+    snprintf(path, sizeof path, "/dev/shm/leafcast-fuzz-%d.%s", (int)getpid(), names[data[0] % 8]);
     FILE *f = fopen(path, "wb");
     if (!f || fwrite(data + 1, 1, size - 1, f) != size - 1)
         abort();
@@ -37,7 +37,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     mem_init(&m, (size_t)64 << 20);
     const volume_hints hints = {.dims = {3, 2, 2}, .type = SAMPLE_I16};
     volume *v = NULL;
-    if (volume_open(&m, path, data[0] % 4 == 3 ? &hints : NULL, &v) == ST_OK)
+    if (volume_open(&m, path, data[0] % 8 == 3 ? &hints : NULL, &v) == ST_OK)
         read_all(v);
     volume_close(v);
     if (mem_used(&m) != 0)

@@ -14,6 +14,7 @@ import sys
 import zlib
 
 import exodus_file
+import usgs_dem
 from imported import DEBIAN, start, tell
 
 try:
@@ -282,6 +283,7 @@ ROWS = (
     ("FreeSurfer", "bytes at the end", mgh, 3, "ends at byte", None),
     ("PVM", "bytes at the end", lambda: put("a.pvm", b"PVM\n8 8 8\n1\n" + SHORT), 3, "ends at byte", None),
     ("Arc ASCII grid", "numbers at the end", lambda: put("a.asc", b"ncols 8\nnrows 8\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + b"1 " * 50), 3, "ends at byte", None),
+    ("USGS DEM", "profiles at the end", lambda: put("a.dem", usgs_dem.model().encode()[:-1024]), 3, "ends at byte", None),
     ("SRTM tile", "bytes at the end", lambda: put("a.hgt", bytes(1201 * 1201 * 2 - 2)), 3, "is a square", None),
     ("SLC", "bytes at the end", lambda: put("a.slc", b"11111 8 8 8 8 1 1 1 0 0 0 0 0 0 X" + SHORT), 3, "ends at byte", None),
     ("VTK", "values of an array", lambda: put("a.vti", vti(SHORT)), 3, "a.vti", None),

@@ -67,7 +67,6 @@ SAMPLES = [
     ("GRIB", "a.grib", b"GRIB\0\0\0\x02" + bytes(64)),
     ("VTK surface data in pieces (.pvtp)", "a.pvtp", xml("PPolyData")),
     ("VTK surface data in pieces (.pvtp)", "pieces", xml("PPolyData")),
-    ("a USGS DEM, heights over a map", "hills.dem", text("HILLS".ljust(144) + "1     1")),
     ("EnSight", "a.geo", text("EnSight Gold", "a geometry", "node id off")),
     ("EnSight", "a.case", text("FORMAT", "type: ensight gold", "GEOMETRY", "model: a.geo")),
     ("Abaqus", "abaqus", text("** made by hand", "*Heading", " a part", "*Node", "1, 0, 0, 0")),

@@ -12,6 +12,7 @@ import struct
 import sys
 
 import exodus_file
+import usgs_dem
 
 os.chdir(sys.argv[1])
 SAMPLES = bytes((7 * i) % 251 for i in range(64))  # 4 x 4 x 4 u8
@@ -212,6 +213,7 @@ def meshes():
 def terrain():
     form("heights_asc", write("h.asc", "ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + "1 2 3 4\n" * 3))
     form("heights_hgt", write("h.hgt", struct.pack(">16h", *range(16))))
+    form("usgs_dem", write("h.dem", usgs_dem.model()))
 
 
 def surfaces():

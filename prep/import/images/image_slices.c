@@ -1,10 +1,13 @@
 #include "prep/import/images/image_slices.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "formats/base/text.h"
 #include "formats/base/vec3.h"
+#include "prep/import/images/geotiff.h"
 #include "prep/import/images/image_file.h"
 #include "prep/import/images/image_names.h"
 #include "prep/import/images/image_tags.h"
@@ -25,6 +28,7 @@ typedef struct stack {
     uint32_t open_index;
     image_facts first; /* of the first page */
     image_tags tags;
+    geotiff geo; /* of the open file, if it is a TIFF */
     int channel; /* or IMAGE_LUMINANCE */
     sample_type type;
     bool is_file; /* the input is the file itself, not its folder */
@@ -36,6 +40,7 @@ static void stack_free(stack *s) {
     image_file_close(s->open);
     image_names_release(&s->names);
     tiff_place_release(&s->place);
+    geotiff_release(&s->geo);
     mem_free(m, s->pages);
     mem_free(m, s);
 }
@@ -103,23 +108,29 @@ static status add_page(stack *s, uint32_t index) {
     return st;
 }
 
+static bool is_tiff(const stack *s) {
+    return strcmp(image_file_format(s->open), "tiff") == 0;
+}
+
 static status open_file(stack *s, uint32_t index) {
     if (s->open && s->open_index == index)
         return ST_OK;
     image_file_close(s->open);
     s->open = NULL;
     s->open_index = index;
-    return image_file_open(s->names.paths[index], &s->open);
+    geotiff_release(&s->geo);
+    const status st = image_file_open(s->names.paths[index], &s->open);
+    return st == ST_OK && is_tiff(s) ? geotiff_read(s->m, s->names.paths[index], &s->geo) : st;
 }
 
 /* Find broken files that the library does not report: it takes a TIFF's broken directory for the
  * end. */
 static status check_whole(const stack *s, uint32_t found) {
-    const char *path = s->names.paths[s->open_index], *format = image_file_format(s->open);
+    const char *path = s->names.paths[s->open_index];
     uint64_t said;
-    if (strcmp(format, "jpeg") == 0)
+    if (strcmp(image_file_format(s->open), "jpeg") == 0)
         return jpeg_end_check(s->m, path);
-    if (strcmp(format, "tiff") != 0)
+    if (!is_tiff(s))
         return ST_OK;
     const status st = tiff_pages_count(s->m, path, &said);
     if (st == ST_OK && said != found)
@@ -135,7 +146,8 @@ static status add_file(stack *s, uint32_t index) {
         st = image_file_seek(s->open, found, &there);
         if (st != ST_OK || !there)
             break;
-        st = add_page(s, found);
+        if (!geotiff_is_beside(&s->geo, found))
+            st = add_page(s, found);
     }
     return st == ST_OK ? check_whole(s, found) : st;
 }
@@ -187,14 +199,46 @@ static double spacing_of(const stack *s, const image_wish *wish, int a) {
     return !imagej && s->first.unit > 0 ? s->first.unit / pixels : 1 / pixels;
 }
 
-/* Take the map of the description. A spacing asked for replaces the length of an axis. */
-static void place_by_map(const stack *s, const image_wish *wish, grid *g) {
-    memcpy(g->to_world, s->tags.to_world, sizeof g->to_world);
+/* A spacing asked for replaces the length of an axis. */
+static void stretch(grid *g, const image_wish *wish) {
     for (int a = 0; a < 3; a++) {
         const double column[3] = {g->to_world[0][a], g->to_world[1][a], g->to_world[2][a]};
         for (int row = 0; row < 3 && wish->spacing[a] != 0; row++)
             g->to_world[row][a] = column[row] / vec3_length(column) * wish->spacing[a];
     }
+}
+
+/* Take the map of the description. */
+static void place_by_map(const stack *s, const image_wish *wish, grid *g) {
+    memcpy(g->to_world, s->tags.to_world, sizeof g->to_world);
+    stretch(g, wish);
+}
+
+/* A single page on a map, of one number a pixel, is terrain. */
+static void place_on_map(const stack *s, const image_wish *wish, grid *g) {
+    const geotiff *geo = &s->geo;
+    if (!geo->placed || s->page_count != 1)
+        return;
+    for (int row = 0; row < 2; row++) {
+        g->to_world[row][0] = geo->map[row][0];
+        g->to_world[row][1] = geo->map[row][1];
+        g->to_world[row][3] = geo->map[row][2];
+        world_frame_set_unit(&g->frame, row, geo->unit);
+    }
+    g->to_world[2][2] = 1.0;
+    world_frame_set_unit(&g->frame, 2, geo->up);
+    stretch(g, wish);
+    g->terrain = s->first.channels == 1;
+}
+
+/* A number that stands for no data: of 32 bits its text may be cut or rounded up. One that no
+ * sample can be is none. */
+static void set_missing(const stack *s, grid *g) {
+    const double asked = s->geo.missing, most = (double)FLT_MAX;
+    g->missing = s->type != SAMPLE_F32 ? asked
+                 : fabs(asked) <= most ? (double)(float)asked
+                                       : copysign(most, asked);
+    g->has_missing = s->geo.has_missing && sample_holds(s->type, g->missing);
 }
 
 static void describe_grid(const stack *s, const image_wish *wish, const char *path, grid *g) {
@@ -204,6 +248,10 @@ static void describe_grid(const stack *s, const image_wish *wish, const char *pa
         g->to_world[a][a] = spacing_of(s, wish, a);
     if (s->tags.mapped)
         place_by_map(s, wish, g);
+    place_on_map(s, wish, g);
+    set_missing(s, g);
+    if (s->geo.scaled)
+        snprintf(g->note, sizeof g->note, "%s", "GDAL's scale and offset are not applied");
     text_file_name(g->name, sizeof g->name, path);
 }
 
@@ -233,7 +281,7 @@ static status look_at_pages(stack *s, sample_place *out) {
 static bool find_place(void *ctx, sample_place *out) {
     stack *s = ctx;
     *out = (sample_place){.path = NULL};
-    if (!s->open || strcmp(image_file_format(s->open), "tiff") != 0)
+    if (!s->open || !is_tiff(s))
         return false;
     if (s->is_file && s->names.count > 1)
         out->refused = "its slices are named one by one, and not their folder";

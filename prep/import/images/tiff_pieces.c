@@ -16,6 +16,7 @@ status tiff_number(const tiff *t, uint64_t offset, int bytes, uint64_t *out) {
 /* ---- a directory ---- */
 
 enum {
+    SUBFILE = 254,
     WIDTH = 256,
     HEIGHT = 257,
     BITS = 258,
@@ -35,27 +36,42 @@ enum {
     FORMAT = 339
 };
 
+enum { SMALLER = 1, MASK = 4 };                 /* bits of SUBFILE */
+enum { LETTERS = 2, SHORTS = 3, DOUBLES = 12 }; /* types of numbers */
+
 static int width_of(uint64_t type) {
     switch (type) {
-    case 1: return 1;
-    case 3: return 2;
+    case 1:
+    case LETTERS: return 1;
+    case SHORTS: return 2;
     case 4: return 4;
+    case DOUBLES:
     case 16: return 8;
     default: return 0;
     }
 }
 
-/* Find where an entry's numbers are stored. */
-static status find_numbers(const tiff *t, uint64_t entry, uint64_t *tag, tiff_numbers *out) {
+/* The tags of maps, and the types of their numbers. */
+static const struct {
+    uint16_t tag;
+    uint8_t type;
+} geo_tags[TIFF_GEOS] = {
+    [TIFF_GEO_SCALE] = {33550, DOUBLES},    [TIFF_GEO_TIES] = {33922, DOUBLES},
+    [TIFF_GEO_MAP] = {34264, DOUBLES},      [TIFF_GEO_KEYS] = {34735, SHORTS},
+    [TIFF_GEO_METADATA] = {42112, LETTERS}, [TIFF_GEO_MISSING] = {42113, LETTERS}};
+
+/* Find where an entry's numbers are stored. *type: theirs. */
+static status find_numbers(const tiff *t, uint64_t entry, uint64_t *tag, uint64_t *type,
+                           tiff_numbers *out) {
     const int count_bytes = t->big ? 8 : 4;
     const uint64_t value = entry + 4 + (uint64_t)count_bytes;
-    uint64_t type = 0, count = 0;
+    uint64_t count = 0;
     status st = tiff_number(t, entry, 2, tag);
     if (st == ST_OK)
-        st = tiff_number(t, entry + 2, 2, &type);
+        st = tiff_number(t, entry + 2, 2, type);
     if (st == ST_OK)
         st = tiff_number(t, entry + 4, count_bytes, &count);
-    *out = (tiff_numbers){.count = count, .at = value, .width = width_of(type)};
+    *out = (tiff_numbers){.count = count, .at = value, .width = width_of(*type)};
     if (st != ST_OK || out->width == 0 || count > file_size(t->file)) {
         out->count = 0;
         return st;
@@ -78,14 +94,19 @@ static status compare_samples(const tiff *t, const tiff_numbers *n, uint64_t fir
 }
 
 static status take_entry(const tiff *t, uint64_t entry, tiff_page *p) {
-    uint64_t tag, value = 0;
+    uint64_t tag, type = 0, value = 0;
     tiff_numbers n;
-    status st = find_numbers(t, entry, &tag, &n);
-    if (st == ST_OK && n.count)
-        st = tiff_number(t, n.at, n.width, &value);
-    if (st != ST_OK || !n.count)
+    status st = find_numbers(t, entry, &tag, &type, &n);
+    for (int i = 0; i < TIFF_GEOS && st == ST_OK; i++)
+        if (tag == geo_tags[i].tag && type == geo_tags[i].type)
+            p->geo[i] = n;
+    if (st != ST_OK || !n.count || type == LETTERS || type == DOUBLES)
+        return st;
+    st = tiff_number(t, n.at, n.width, &value);
+    if (st != ST_OK)
         return st;
     switch (tag) {
+    case SUBFILE: p->beside = (value & (SMALLER | MASK)) != 0; break;
     case WIDTH: p->width = value; break;
     case HEIGHT: p->height = value; break;
     case BITS: p->bits = value; return compare_samples(t, &n, value, p);

@@ -30,13 +30,27 @@ typedef struct tiff_numbers {
     int width;          /* bytes per number */
 } tiff_numbers;
 
+/* What places a page on a map, and says what stands for no data (geotiff.h): doubles, but for the
+ * keys, of 16 bits, and letters. */
+typedef enum tiff_geo {
+    TIFF_GEO_SCALE,
+    TIFF_GEO_TIES,
+    TIFF_GEO_MAP,
+    TIFF_GEO_KEYS,
+    TIFF_GEO_METADATA, /* letters */
+    TIFF_GEO_MISSING,  /* letters */
+    TIFF_GEOS
+} tiff_geo;
+
 /* What a directory says; else what the format says of a tag that is not there. */
 typedef struct tiff_page {
-    tiff_numbers offsets, bytes;                                          /* of pieces */
+    tiff_numbers offsets, bytes; /* of pieces */
+    tiff_numbers geo[TIFF_GEOS];
     uint64_t width, height, bits, samples, rows, tile_width, tile_height; /* no tiles: 0 */
     uint64_t compression, predictor, photometric, format, fill_order;
     bool uneven; /* samples of several sizes or formats */
     bool planar; /* each channel has its own pieces */
+    bool beside; /* it is a smaller copy of another page, or its mask */
 } tiff_page;
 
 enum { TIFF_UNTOLD = UINT16_MAX }; /* photometric without its tag */
