@@ -25,6 +25,7 @@ typedef struct heights_block {
     size_t row, slice; /* samples from node to node along axes 0 and 2 */
     double size, inverse;
     uint32_t cells[2];         /* of the level, along axes 0 and 2 */
+    double range[2];           /* of all elevations */
     double least, step, slack; /* a code c means least + c * step, give or take slack */
 } heights_block;
 
@@ -53,6 +54,7 @@ static inline heights_block heights_block_of(const tracer *tr, const treelet *at
                        .size = ldexp(1.0, (int)g->level),
                        .inverse = ldexp(1.0, -(int)g->level),
                        .cells = {level->cells[0], level->cells[2]},
+                       .range = {q.lo, q.hi},
                        .least = q.lo,
                        .step = q.scale > 0.0 ? 1.0 / q.scale : 0.0};
     b.slack = 0x1p-40 * (q.hi - q.lo) + 0x1p-48 * (fabs(q.hi) + fabs(q.lo));

@@ -185,10 +185,33 @@ static void wait_for(heights_tile *w, uint32_t t, unsigned y, unsigned passing, 
     *any = *any || passing;
 }
 
+/* Rays that are in a treelet: which of each row, and where. */
+typedef struct heights_visit {
+    tile_row rows[TILE];
+    double t_in[TILE * TILE], t_out[TILE * TILE];
+} heights_visit;
+
+/* Ask for what a ray reads where it is at a treelet's mean elevation. */
+static void ask_for(const heights_tile *w, const heights_block *b, unsigned i, double t_in,
+                    double t_out) {
+    const tile_rays *rays = &w->b.s.rays;
+    const double middle = 0.5 * (b->range[0] + b->range[1]);
+    const double there = (middle - w->b.eye[1]) / rays->d[1][i];
+    const double t = heights_least(heights_most(there, t_in), t_out);
+    uint32_t cell[2];
+    for (int axis = 0; axis < 2; axis++) {
+        const double x = (w->b.eye[2 * axis] + t * rays->d[2 * axis][i]) * b->inverse -
+                         (double)b->of->first_cell[2 * axis];
+        const double last = (double)(b->of->shape.cells[2 * axis] - 1);
+        cell[axis] = (uint32_t)heights_least(heights_most(x, 0.0), last);
+    }
+    heights_way_ask(b, cell[0], cell[1]);
+}
+
 static void visit_treelet(heights_tile *w, const tile_pending *p) {
     const tracer *tr = w->b.s.f->tracer;
     const heights_box box = box_of(tr, p->i, tracer_range(tr, p->i));
-    double t_in[VD_N], t_out[VD_N];
+    heights_visit v;
     heights_block b;
     bool waits = false;
     if (!w->b.s.has_rays) {
@@ -200,17 +223,26 @@ static void visit_treelet(heights_tile *w, const tile_pending *p) {
         tracer_touch(tr, p->i); /* judged by rectangles alone */
         b = heights_block_of(tr, at);
     }
-    for (unsigned y = p->rect.y0; y <= p->rect.y1; y++)
+    for (unsigned y = p->rect.y0; y <= p->rect.y1; y++) {
+        v.rows[y] = 0;
         for (unsigned x = p->rect.x0 & ~(VD_N - 1u); x <= p->rect.x1; x += VD_N) {
+            const unsigned i = TILE * y + x;
             unsigned left = (w->b.s.open[y] & row_mask(p->rect)) >> x & ((1u << VD_N) - 1u);
             if (left)
-                left &= rays_in(w, &box, TILE * y + x, t_in, t_out);
-            if (!at)
-                wait_for(w, p->i, y, left << x, &waits);
+                left &= rays_in(w, &box, i, v.t_in + i, v.t_out + i);
+            v.rows[y] |= (tile_row)(left << x);
             for (; at && left; left &= left - 1) {
-                const unsigned k = (unsigned)__builtin_ctz(left);
-                walk_ray(w, &b, TILE * y + x + k, t_in[k], t_out[k]);
+                const unsigned k = i + (unsigned)__builtin_ctz(left);
+                ask_for(w, &b, k, v.t_in[k], v.t_out[k]);
             }
+        }
+        if (!at)
+            wait_for(w, p->i, y, v.rows[y], &waits);
+    }
+    for (unsigned y = p->rect.y0; at && y <= p->rect.y1; y++)
+        for (unsigned left = v.rows[y]; left; left &= left - 1) {
+            const unsigned i = TILE * y + (unsigned)__builtin_ctz(left);
+            walk_ray(w, &b, i, v.t_in[i], v.t_out[i]);
         }
     if (waits)
         look_with_open(&w->b);

@@ -1,11 +1,12 @@
 /* heights_way.h - the cells of a treelet on a ray's way, in order: nodes of 16, 4 and 1 cells on a
  * side, 4 x 4 in each other.
  *
- * Nodes are stepped through from plane to plane. The planes' t are the kernel's own (plane - o) / d
- * (heights_patch.h), and a crossing at the very start counts as still to come. So no cell that the
- * kernel accepts is left out, however short the visit. Nodes whose elevations the ray does not meet
- * are left out, and the way in a node is cut to where it does: the margin of both is more than
- * rounding.
+ * As long as all of the way lies over one node, it is cut to that node's elevations, and goes on in
+ * it: seen from above, most rays come down to a cell without a step. Then nodes are stepped through
+ * from plane to plane. The planes' t are the kernel's own (plane - o) / d (heights_patch.h), and a
+ * crossing at the very start counts as still to come. So no cell that the kernel accepts is left
+ * out, however short the visit. Nodes whose elevations the ray does not meet are left out, and the
+ * way in a node is cut to where it does: the margin of both is more than rounding.
  */
 #ifndef RENDER_HEIGHTS_HEIGHTS_WAY_H
 #define RENDER_HEIGHTS_HEIGHTS_WAY_H
@@ -27,6 +28,7 @@ typedef struct heights_way {
     const heights_block *b;
     const ray *r;
     double slack; /* of elevations */
+    int top;      /* the level where it begins */
     int level;
     heights_nodes of[HEIGHTS_WAY_LEVELS];
 } heights_way;
@@ -95,35 +97,128 @@ static inline bool heights_way_cut(const heights_way *w, const double range[2], 
     return *t_in <= *t_out;
 }
 
-/* heights_way_begin() - octants: which eighths of the treelet (x + 4z) to look at, one or all. */
-static inline void heights_way_begin(heights_way *w, const heights_block *b, const ray *r,
-                                     double t_in, double t_out, unsigned octants) {
-    const uint32_t *cells = b->of->shape.cells;
-    const int cells_log2 = (int)b->of->shape.node_levels + LEAF_BLOCK_LOG2;
-    const int top = (cells_log2 - 1) / HEIGHTS_WAY_LOG2, log2 = top * HEIGHTS_WAY_LOG2;
-    const bool some = (octants & (octants - 1)) == 0;
-    heights_nodes *n = &w->of[top];
-    w->b = b;
-    w->r = r;
-    w->slack = b->slack + 0x1p-40 * fabs(r->o[1]);
-    w->level = top;
-    n->inside = true;
-    for (int axis = 0; axis < 2; axis++) {
-        const int all = (int)(cells[2 * axis] + (1U << log2) - 1) >> log2;
-        const int half = 1 << (cells_log2 - 1 - log2);
-        const bool upper = some && (axis ? octants & 0xF0U : octants & 0xAAU);
-        n->lo[axis] = upper ? half : 0;
-        n->hi[axis] = some && !upper && half < all ? half : all;
-        n->inside = n->inside && n->lo[axis] < n->hi[axis];
+static const uint16_t heights_spread[16] = {0,   1,   8,   9,   64,  65,  72,  73,
+                                            512, 513, 520, 521, 576, 577, 584, 585};
+
+static inline uint32_t heights_morton(uint32_t i, uint32_t k) {
+    return heights_spread[i] | (uint32_t)heights_spread[k] << 2;
+}
+
+/* The elevations of the node of a level that is at a place. False: no cell of it has any. */
+static inline bool heights_way_range(const heights_block *b, int level, const int at[2],
+                                     double range[2]) {
+    const uint32_t depth =
+        b->of->shape.node_levels + LEAF_BLOCK_LOG2 - (uint32_t)(level * HEIGHTS_WAY_LOG2);
+    return heights_block_range(b, depth, heights_morton((uint32_t)at[0], (uint32_t)at[1]), range);
+}
+
+/* heights_way_ask() - have the cache fetch what is read at a cell. */
+static inline void heights_way_ask(const heights_block *b, uint32_t i, uint32_t k) {
+    const size_t width = sample_size(b->type), row = b->slice * width;
+    const char *sample = (const char *)b->first + i * width + k * row;
+    const uint32_t depth = b->of->shape.node_levels;
+    const uint8_t *code = b->codes + leaf_codes_at(depth) +
+                          heights_morton(i >> LEAF_BLOCK_LOG2, k >> LEAF_BLOCK_LOG2);
+    if (depth > 0) {
+        __builtin_prefetch(code);
+        __builtin_prefetch(code + ((size_t)1 << 3 * depth));
     }
+    __builtin_prefetch(sample);
+    __builtin_prefetch(sample + row);
+}
+
+/* Which cells the ray is over between two t, on an axis: those within rounding of them, too. */
+static inline void heights_way_span(const heights_way *w, int axis, double t_in, double t_out,
+                                    int span[2]) {
+    const ray *r = w->r;
+    const double o = r->o[2 * axis], d = r->d[2 * axis];
+    const double a = d == 0.0 ? r->held[2 * axis] : o + t_in * d;
+    const double b = d == 0.0 ? r->held[2 * axis] : o + t_out * d;
+    const double slack = 0x1p-36 * (fabs(o) + fabs(a) + fabs(b));
+    const double first = (double)w->b->of->first_cell[2 * axis];
+    const double last = (double)(w->b->of->shape.cells[2 * axis] - 1);
+    const double lo = (heights_least(a, b) - slack) * w->b->inverse - first;
+    const double hi = (heights_most(a, b) + slack) * w->b->inverse - first;
+    span[0] = lo > 0.0 ? (int)heights_least(lo, last) : 0; /* NaN: all of them */
+    span[1] = hi < last ? (int)heights_most(hi, 0.0) : (int)last;
+}
+
+/* Find where the ray is in the nodes that the way begins with. */
+static inline void heights_way_enter_first(heights_way *w, double t_in, double t_out) {
+    heights_nodes *n = &w->of[w->top];
+    w->level = w->top;
     n->t_in = t_in;
     n->t_end = t_out;
     for (int axis = 0; axis < 2 && n->inside; axis++)
-        heights_way_find(w, n, log2, axis);
+        heights_way_find(w, n, w->top * HEIGHTS_WAY_LOG2, axis);
 }
 
-static const uint16_t heights_spread[16] = {0,   1,   8,   9,   64,  65,  72,  73,
-                                            512, 513, 520, 521, 576, 577, 584, 585};
+/* Begin with the nodes under the way, of the largest size of which there are several: of one alone
+ * the way is cut to its elevations. A cell alone needs no search. */
+static inline void heights_way_narrow(heights_way *w, double t_in, double t_out) {
+    double range[2];
+    for (;; w->top--) {
+        const int log2 = w->top * HEIGHTS_WAY_LOG2;
+        heights_nodes *n = &w->of[w->top];
+        n->inside = true;
+        for (int axis = 0; axis < 2; axis++) {
+            int span[2];
+            heights_way_span(w, axis, t_in, t_out, span);
+            n->at[axis] = n->lo[axis] = span[0] >> log2;
+            n->hi[axis] = (span[1] >> log2) + 1;
+        }
+        if (n->hi[0] - n->lo[0] > 1 || n->hi[1] - n->lo[1] > 1) {
+            heights_way_enter_first(w, t_in, t_out);
+            return;
+        }
+        if (w->top == 0) {
+            *n = (heights_nodes){.at = {n->at[0], n->at[1]},
+                                 .t_in = t_in,
+                                 .t_end = t_out,
+                                 .t = {INFINITY, INFINITY},
+                                 .inside = true};
+            w->level = 0;
+            return;
+        }
+        if (!heights_way_range(w->b, w->top, n->at, range) ||
+            !heights_way_cut(w, range, &t_in, &t_out)) {
+            n->inside = false;
+            w->level = w->top;
+            return;
+        }
+    }
+}
+
+/* Begin with the nodes of one eighth of the treelet. */
+static inline void heights_way_in_octant(heights_way *w, unsigned octant, double t_in,
+                                         double t_out) {
+    const int cells_log2 = (int)w->b->of->shape.node_levels + LEAF_BLOCK_LOG2;
+    const int log2 = w->top * HEIGHTS_WAY_LOG2, half = 1 << (cells_log2 - 1 - log2);
+    heights_nodes *n = &w->of[w->top];
+    n->inside = true;
+    for (int axis = 0; axis < 2; axis++) {
+        const int all = (int)(w->b->of->shape.cells[2 * axis] + (1U << log2) - 1) >> log2;
+        const bool upper = (octant & (axis ? 0xF0U : 0xAAU)) != 0;
+        n->lo[axis] = upper ? half : 0;
+        n->hi[axis] = !upper && half < all ? half : all;
+        n->inside = n->inside && n->lo[axis] < n->hi[axis];
+    }
+    heights_way_enter_first(w, t_in, t_out);
+}
+
+/* heights_way_begin() - octants: which eighths of the treelet (x + 4z) to look at, one or all. */
+static inline void heights_way_begin(heights_way *w, const heights_block *b, const ray *r,
+                                     double t_in, double t_out, unsigned octants) {
+    w->b = b;
+    w->r = r;
+    w->slack = b->slack + 0x1p-40 * fabs(r->o[1]);
+    w->level = w->top = (int)(b->of->shape.node_levels + LEAF_BLOCK_LOG2 - 1) / HEIGHTS_WAY_LOG2;
+    w->of[w->top].inside = false;
+    if ((octants & (octants - 1)) == 0)
+        heights_way_in_octant(w, octants, t_in, t_out);
+    else if (heights_way_cut(w, b->range, &t_in, &t_out))
+        heights_way_narrow(w, t_in, t_out);
+}
 
 /* Go down into the current node, if the ray meets its elevations. */
 static inline bool heights_way_enter(heights_way *w) {
@@ -131,11 +226,8 @@ static inline bool heights_way_enter(heights_way *w) {
     heights_nodes *in = &w->of[w->level - 1];
     const uint32_t *cells = w->b->of->shape.cells;
     const int log2 = (w->level - 1) * HEIGHTS_WAY_LOG2;
-    const uint32_t depth =
-        w->b->of->shape.node_levels + LEAF_BLOCK_LOG2 - (uint32_t)(w->level * HEIGHTS_WAY_LOG2);
-    const uint32_t morton = heights_spread[n->at[0]] | (uint32_t)heights_spread[n->at[1]] << 2;
     double range[2], t_in = n->t_in, t_out = heights_way_out(n);
-    if (!heights_block_range(w->b, depth, morton, range) ||
+    if (!heights_way_range(w->b, w->level, n->at, range) ||
         !heights_way_cut(w, range, &t_in, &t_out))
         return false;
     for (int axis = 0; axis < 2; axis++) {
@@ -156,11 +248,10 @@ static inline bool heights_way_enter(heights_way *w) {
  * before: its place in the treelet, and its patch. False: there is none. */
 static inline bool heights_way_next(heights_way *w, double until, int cell[2],
                                     heights_patch *patch) {
-    const int top = (int)(w->b->of->shape.node_levels + LEAF_BLOCK_LOG2 - 1) / HEIGHTS_WAY_LOG2;
     for (;;) {
         heights_nodes *n = &w->of[w->level];
         if (!n->inside) {
-            if (w->level == top)
+            if (w->level == w->top)
                 return false;
             w->level++;
             heights_way_step(w, &w->of[w->level], w->level * HEIGHTS_WAY_LOG2);
