@@ -368,7 +368,7 @@ $B/emulated/bin/leafcast: $(FRONT) $(VERBS)
 $(TESTS) $(TOOLS): LINK_TESTS := -lcmocka
 $(FUZZERS): LINK_TESTS := -fsanitize=fuzzer -lcmocka
 # What importers parse themselves, without their libraries.
-$B/tests/fuzz_image: $(patsubst %,$B/obj/prep/import/images/%.o,jpeg_end tiff_pages tiff_pieces tiff_place)
+$B/tests/fuzz_image: $(patsubst %,$B/obj/prep/import/images/%.o,geotiff jpeg_end tiff_pages tiff_pieces tiff_place)
 $B/tests/fuzz_import: $(patsubst %,$B/obj/prep/import/%.o,packed_samples netcdf/netcdf_header dicom/dicom_order images/image_names)
 define program_rule
 $B/tests/$(basename $(notdir $1)): $B/obj/$(1:.c=.o) $(AIDS) $(ARCHIVES)
