@@ -49,7 +49,7 @@ typedef struct dem {
     byte_stream *data;
     const char *name;
     char record[RECORD + 1];
-    int64_t system, plane, up, profiles;
+    int64_t plane, up, rows, profiles;
     double steps[3], angle;
     double first[2]; /* the southernmost node of the first profile */
     profile *of;
@@ -138,17 +138,18 @@ static status check_head(const dem *d) {
     for (int a = 0; a < 3; a++)
         if (!(d->steps[a] > 0))
             return status_describe(ST_CORRUPT, "%s: expected three resolutions above 0", d->name);
-    if (d->profiles < 2 || d->profiles > GRID_DIM_MAX)
-        return status_describe(ST_CORRUPT, "%s: expected 2 to %d profiles, found %lld", d->name,
-                               GRID_DIM_MAX, (long long)d->profiles);
+    if (d->rows != 1 || d->profiles < 2 || d->profiles > GRID_DIM_MAX)
+        return status_describe(ST_CORRUPT,
+                               "%s: expected a row of 2 to %d profiles, found %lld rows of %lld",
+                               d->name, GRID_DIM_MAX, (long long)d->rows, (long long)d->profiles);
     return ST_OK;
 }
 
 static status read_head(dem *d) {
-    int64_t rows;
+    int64_t system; /* projections are not looked into */
     status st = next_record(d);
     if (st == ST_OK)
-        st = take_int(d, AT_SYSTEM, "the number of a reference system", &d->system);
+        st = take_int(d, AT_SYSTEM, "the number of a reference system", &system);
     if (st == ST_OK)
         st = take_int(d, AT_PLANE_UNIT, "the unit of the plane", &d->plane);
     if (st == ST_OK)
@@ -158,7 +159,7 @@ static status read_head(dem *d) {
     for (int a = 0; a < 3 && st == ST_OK; a++)
         st = take_double(d, AT_STEPS + a * FLOAT, FLOAT, "a resolution", &d->steps[a]);
     if (st == ST_OK)
-        st = take_int(d, AT_ROWS, "1 row of profiles", &rows);
+        st = take_int(d, AT_ROWS, "1 row of profiles", &d->rows);
     if (st == ST_OK)
         st = take_int(d, AT_PROFILES, "the number of profiles", &d->profiles);
     return st == ST_OK ? check_head(d) : st;

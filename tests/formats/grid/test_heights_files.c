@@ -221,7 +221,7 @@ static void test_dem_refused(void **state) {
     write_model(&(model){3, 3, PROFILES, 0, 1, 0, ""}, 3, text);
     refused(scratch_write("a.dem", text, size), ST_CORRUPT, "feet (1) or metres (2), found 3");
     write_model(&(model){3, 2, 1, 0, 1, 0, ""}, 3, text);
-    refused(scratch_write("a.dem", text, size), ST_CORRUPT, "profiles, found 1");
+    refused(scratch_write("a.dem", text, size), ST_CORRUPT, "found 1 rows of 1");
     write_model(&(model){3, 2, PROFILES, 0, 0, 0, ""}, 3, text);
     refused(scratch_write("a.dem", text, size), ST_CORRUPT, "resolutions above 0");
     write_model(&plain, 3, text);
