@@ -588,8 +588,9 @@ typedef struct leafcast_ray_hit {
     double error_bound; /* of t; INFINITY where the ray only grazes */
     double isovalue;
     uint64_t cell;   /* as in leafcast_cell */
-    int32_t volume;  /* index in the scene; -1: none */
-    int32_t surface; /* numbered through over the scene's volumes; -1: none */
+    uint32_t object; /* numbered through over the volumes, and all places of groups */
+    int32_t volume;  /* index in the scene, those of groups behind its own; -1: none */
+    int32_t surface; /* numbered through over these volumes; -1: none */
     float normal[3]; /* unit, towards lower values */
     bool entering;   /* the value goes from below the isovalue to above */
 } leafcast_ray_hit;
@@ -597,7 +598,6 @@ typedef struct leafcast_ray_hit {
 /* leafcast_trace_rays() - the first hit of each of count rays (below 2^30) with what the scene
  * shows; ignores its preview, lights and colours. By all threads of the device, within its budget.
  * leafcast_occluded_rays() - whether each ray hits anything: 1 or 0 a ray, at less cost.
- *
  * Rays walk in batches: neighbours in the array that go the same way take less time. */
 LEAFCAST_API leafcast_status leafcast_trace_rays(leafcast *volume, const leafcast_scene *scene,
                                                  const leafcast_ray *rays, size_t count,

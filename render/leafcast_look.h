@@ -157,6 +157,32 @@ enum {
     LEAFCAST_MEDIA_MAX = 16      /* those among them that are filled with a medium */
 };
 
+/* Many places, which pictures share: of each some 350 bytes, beside leafcast_options.memory.
+ *
+ * leafcast_make_places() - copy `count` places, 12 numbers each, as leafcast_shown.place; for
+ * scenes of the volume's device. leafcast_free_places() - NULL, too; not while a picture that shows
+ * them is under way. */
+typedef struct leafcast_places leafcast_places;
+LEAFCAST_API leafcast_status leafcast_make_places(const leafcast *volume, const double *places,
+                                                  uint32_t count, leafcast_places **out);
+LEAFCAST_API void leafcast_free_places(leafcast_places *places);
+
+/* Objects that lie together in a world of their own, and that world at many places (M08 5.2:
+ * multi-level instancing). Each object is drawn as if it was listed once for each of its group's
+ * places, at its own place followed by that: with the same bits. A ray reads what it meets.
+ *
+ * Volumes of groups have surfaces, and nothing else: no media, no colour_by. Groups may lie in
+ * groups, LEAFCAST_GROUPS_DEEP deep. All places of a scene together are below 2^32 - 1 objects. */
+typedef struct leafcast_group {
+    leafcast_places *places;       /* in the world of what lists the group; of no other group */
+    const leafcast_shown *volumes; /* in the group's own world */
+    int volume_count;
+    const struct leafcast_group *groups;
+    int group_count;
+} leafcast_group;
+
+enum { LEAFCAST_GROUPS_DEEP = 7 };
+
 typedef struct leafcast_scene {
     size_t size;
     /* Objects: volumes of one device. All their surfaces are seen in order of distance; at equal
@@ -165,6 +191,11 @@ typedef struct leafcast_scene {
      * the scene, as selected. LEAFCAST_LOD_PIXEL and media in steps: not with places. */
     const leafcast_shown *volumes;
     int volume_count;
+    /* Objects that are placed many times, behind the volumes in order; then 0 volumes are none.
+     * With their volumes, level by level, LEAFCAST_VOLUMES_MAX in all. Not with projections, caps,
+     * LEAFCAST_LOD_PIXEL and media in steps; no probe meets them. */
+    const leafcast_group *groups;
+    int group_count;
     leafcast_light lights[LEAFCAST_LIGHTS_MAX];
     int light_count; /* 0: a headlight at the eye, without shadows */
     float ambient;   /* k_a of M08 eq. 4.6, in [0, 1] */

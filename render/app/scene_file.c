@@ -164,7 +164,7 @@ static status read_place(const json_t *value, const char *what, const double *fi
         return st;
     if (first) {
         memcpy(place, first, 12 * sizeof *place);
-        scene_place_after(place, own);
+        placement_follow(place, own);
     } else {
         memcpy(place, own, sizeof own);
     }

@@ -6,21 +6,11 @@
 
 #include "formats/base/portable_math.h"
 #include "formats/base/vec3.h"
+#include "render/ray/placement.h"
 
 const char *const scene_place_keys[] = {"translate", "rotate", "degrees", "scale", "matrix", NULL};
 
 static const double nowhere[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-
-void scene_place_after(double place[12], const double next[12]) {
-    double out[12];
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 4; c++) {
-            out[4 * r + c] = c == 3 ? next[4 * r + 3] : 0.0;
-            for (int k = 0; k < 3; k++)
-                out[4 * r + c] += next[4 * r + k] * place[4 * k + c];
-        }
-    memcpy(place, out, sizeof out);
-}
 
 static status wrong(const char *what, const char *key, const char *wanted) {
     return status_describe(ST_USAGE, "%s: \"%s\" takes %s", what, key, wanted);
@@ -140,7 +130,7 @@ status scene_place_read(const json_t *value, const char *what, double place[12])
         const status st = read_step(item, what, step);
         if (st != ST_OK)
             return st;
-        scene_place_after(place, step);
+        placement_follow(place, step);
     }
     return ST_OK;
 }

@@ -10,9 +10,6 @@
  * numbers; a step; or an array of steps, of which the first comes first. ST_USAGE names `what`. */
 CHECKED status scene_place_read(const json_t *value, const char *what, double place[12]);
 
-/* scene_place_after() - let place[] be followed by `next`. */
-void scene_place_after(double place[12], const double next[12]);
-
 /* scene_place_keys() - the keys of a step, one string each, to NULL. */
 extern const char *const scene_place_keys[];
 

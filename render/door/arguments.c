@@ -228,11 +228,34 @@ static status scene_experiments_together(const void *of) {
 static const public_fields scene_experiments_table = PUBLIC_TABLE(
     leafcast_scene_experiments, scene_experiments_rows, .together = scene_experiments_together);
 
+static const public_field group_rows[] = {
+    PUBLIC_PLACE(leafcast_group, places, 0),
+    PUBLIC_NUMBER(leafcast_group, volume_count, 0, LEAFCAST_VOLUMES_MAX, 0),
+    {PUBLIC_MEMBER(leafcast_group, volumes), .type = PUBLIC_POINTER, .values = 1,
+     .counted_by = "volume_count", .element = &shown_table},
+    PUBLIC_NUMBER(leafcast_group, group_count, 0, LEAFCAST_VOLUMES_MAX, 0),
+    {PUBLIC_MEMBER(leafcast_group, groups), .type = PUBLIC_POINTER, .values = 1,
+     .counted_by = "group_count"},
+};
+
+static status group_together(const void *of) {
+    const leafcast_group *g = of;
+    if (g->volume_count + g->group_count > 0)
+        return ST_OK;
+    return status_describe(ST_USAGE, "leafcast_group: it has neither volumes nor groups");
+}
+
+static const public_fields group_table =
+    PUBLIC_TABLE(leafcast_group, group_rows, .together = group_together);
+
 static const public_field scene_rows[] = {
     PUBLIC_OWN_SIZE(leafcast_scene),
     PUBLIC_NUMBER(leafcast_scene, volume_count, 0, LEAFCAST_VOLUMES_MAX, 0),
     {PUBLIC_MEMBER(leafcast_scene, volumes), .type = PUBLIC_POINTER, .values = 1,
      .counted_by = "volume_count", .element = &shown_table},
+    PUBLIC_NUMBER(leafcast_scene, group_count, 0, LEAFCAST_VOLUMES_MAX, 0),
+    {PUBLIC_MEMBER(leafcast_scene, groups), .type = PUBLIC_POINTER, .values = 1,
+     .counted_by = "group_count"},
     PUBLIC_NUMBER(leafcast_scene, light_count, 0, LEAFCAST_LIGHTS_MAX, 0),
     {PUBLIC_MEMBER(leafcast_scene, lights), .type = PUBLIC_STRUCT, .values = 1,
      .counted_by = "light_count", .element = &light_table},
@@ -278,7 +301,7 @@ static const public_field scene_rows[] = {
 
 static status scene_together(const void *of) {
     const leafcast_scene *s = of;
-    const int volumes = s->volume_count > 0 ? s->volume_count : 1;
+    const int volumes = s->volume_count > 0 || s->group_count > 0 ? s->volume_count : 1;
     if (s->media_count != 0 && s->media_count != volumes)
         return status_describe(ST_USAGE, "leafcast_scene.media_count is %d: there are %d volumes",
                                s->media_count, volumes);
@@ -467,6 +490,7 @@ const public_fields *const *arguments_tables(int *count) {
                                                   &medium_table,
                                                   &colouring_table,
                                                   &shown_table,
+                                                  &group_table,
                                                   &scene_table,
                                                   &camera_table,
                                                   &histogram_table,
@@ -529,6 +553,10 @@ status arguments_check_surfaces(const leafcast_surface *surfaces, int count) {
 
 status arguments_check_scene(const leafcast_scene *s) {
     return public_fields_check(&scene_table, s);
+}
+
+status arguments_check_group(const leafcast_group *group) {
+    return public_fields_check(&group_table, group);
 }
 
 status arguments_check_camera(const leafcast_camera *from) {

@@ -26,7 +26,8 @@ CHECKED status arguments_check_device(const char *call, const leafcast_device *d
 CHECKED status arguments_check_values(const char *call, const leafcast *v);
 
 CHECKED status arguments_check_options(const leafcast_options *options);
-CHECKED status arguments_check_scene(const leafcast_scene *scene);
+CHECKED status arguments_check_scene(const leafcast_scene *scene); /* without its groups */
+CHECKED status arguments_check_group(const leafcast_group *group); /* without those in it */
 CHECKED status arguments_check_surfaces(const leafcast_surface *surfaces, int count);
 CHECKED status arguments_check_camera(const leafcast_camera *camera);
 CHECKED status arguments_check_slice(const leafcast_slice_pixels *slice);

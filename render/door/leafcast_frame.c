@@ -170,7 +170,7 @@ static bool watch_part(void *ctx, double done) {
 static status project(leafcast_frame *fr, frame *f) {
     leafcast *v = fr->t.drawn[0];
     const bool tiles = f->integrator->tile && f->tracer->kernels->tile;
-    if (!tiles || f->volumes > 1 || f->camera.ortho || f->tracer->place.moved)
+    if (!tiles || f->volumes > 1 || f->objects || f->camera.ortho || f->tracer->place.moved)
         return ST_OK;
     const status st = v->kind->tiles->project(v, &f->camera, &fr->projection);
     if (st == ST_OK && fr->projection.usable)

@@ -46,9 +46,15 @@ static void free_room(turn *t) {
     mem outside;
     mem_init(&outside, 0);
     object_tree_release(&t->objects, &outside);
+    scene_groups_release(&t->groups, &outside);
 #define FREE(array) mem_free(&outside, t->array);
     TURN_ARRAYS(FREE)
 #undef FREE
+}
+
+/* The place that a tracer knows: none of a volume of a group. */
+static placement tracer_place(const turn *t, int i) {
+    return turn_grouped(t, i) ? placement_of(NULL) : t->place[i];
 }
 
 /* Choose between the volume and its coarse grid, which then stays open until turn_end(): the same
@@ -69,7 +75,7 @@ static status choose_drawn(turn *t, int i) {
                              .kernels = &t->drawn[i]->kernels,
                              .twin = t->first[i],
                              .layout = &t->drawn[i]->file->layout,
-                             .place = t->place[i]};
+                             .place = tracer_place(t, i)};
     return st;
 }
 
@@ -107,6 +113,25 @@ static status describe_object(turn *t, int i, int32_t *id) {
     return st == ST_OK ? choose_drawn(t, i) : st;
 }
 
+/* List all volumes of the scene's groups behind its own. */
+static status list_groups(turn *t, const leafcast *v) {
+    mem outside;
+    status st = scene_groups_check(v, &t->scene);
+    if (st != ST_OK || t->scene.group_count == 0) {
+        t->groups.singles = scene_objects(&t->scene);
+        return st;
+    }
+    mem_init(&outside, 0);
+    st = scene_groups_list(&t->groups, &outside, &t->scene);
+    t->scene.volumes = t->groups.shown;
+    t->scene.volume_count = t->groups.volumes;
+    if (t->scene.media_count > 0) {
+        t->scene.media = t->groups.media;
+        t->scene.media_count = t->groups.volumes;
+    }
+    return st;
+}
+
 /* List all objects, and what colours them. */
 static void list_objects(turn *t, const leafcast *v, const leafcast_scene *scene) {
     int count = t->volumes;
@@ -124,7 +149,10 @@ static void list_objects(turn *t, const leafcast *v, const leafcast_scene *scene
 
 status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene, bool coloured) {
     *t = (turn){.device = v->device, .scene = *scene};
-    status st = scene_check(v, scene);
+    scene = &t->scene;
+    status st = list_groups(t, v);
+    if (st == ST_OK)
+        st = scene_check(v, scene);
     if (st == ST_OK)
         st = make_room(t, scene_objects(scene), coloured ? scene_lookups(scene) : 0);
     if (st == ST_OK && scene->experiments) {
@@ -256,7 +284,7 @@ static void select_volume(const turn *t, int i, const joint *j) {
 }
 
 static void place_tracer(const turn *t, int i, tracer *tr) {
-    tr->place = t->place[i];
+    tr->place = tracer_place(t, i);
     tr->twin = t->first[i];
     tr->above = t->above;
 }
@@ -299,7 +327,7 @@ static status prepare_object(turn *t, int i, const joint *j) {
     t->tracers[i].preview &= !may_be_coarser(t, i); /* it waits for the level that was chosen */
     if (st == ST_OK && s->count > 0) {
         st = coarse_preview_begin(v, &t->scene, &j->shown, &t->coarse_tracers[i], &t->coarse[i]);
-        t->coarse_tracers[i].place = t->place[i];
+        t->coarse_tracers[i].place = tracer_place(t, i);
     }
     return st;
 }
@@ -315,18 +343,23 @@ static status prepare_volume(turn *t, int i) {
     return st;
 }
 
-/* The box of an object in the scene's world: with that of what stands in for it. */
-static void object_box(const turn *t, int i, double box[2][3]) {
+static void widen_by(const turn *t, int i, const tracer *tr, double box[2][3]) {
     double corners[8][3];
+    tracer_corners(tr, corners);
+    for (int k = 0; k < 8; k++) {
+        double at[3];
+        placement_to_scene(&t->place[i], corners[k], at);
+        box3_widen(box, turn_grouped(t, i) ? at : corners[k], turn_grouped(t, i) ? at : corners[k]);
+    }
+}
+
+/* The box of an object in the world of the scene, or of its group: with that of what stands in for
+ * it. */
+static void object_box(const turn *t, int i, double box[2][3]) {
     box3_begin(box);
-    tracer_corners(&t->tracers[i], corners);
-    for (int k = 0; k < 8; k++)
-        box3_widen(box, corners[k], corners[k]);
-    if (!t->coarse[i])
-        return;
-    tracer_corners(t->coarse[i], corners);
-    for (int k = 0; k < 8; k++)
-        box3_widen(box, corners[k], corners[k]);
+    widen_by(t, i, &t->tracers[i], box);
+    if (t->coarse[i])
+        widen_by(t, i, t->coarse[i], box);
 }
 
 /* Of fewer objects each ray asks all. */
@@ -339,16 +372,15 @@ static status make_tree(turn *t) {
     t->f.coarse = false;
     for (int i = 0; i < t->volumes; i++)
         t->f.coarse |= t->tracers[i].coarse;
-    if (t->volumes < TREE_LEAST)
+    if (t->volumes < TREE_LEAST && t->groups.count == 0)
         return ST_OK;
     double(*boxes)[2][3] = mem_array(&outside, (size_t)t->volumes, sizeof *boxes);
     if (!boxes)
         return ST_NOMEM;
     for (int i = 0; i < t->volumes; i++)
         object_box(t, i, boxes[i]);
-    object_tree_release(&t->objects, &outside);
-    const status st =
-        object_tree_make(&t->objects, &outside, (const double(*)[2][3])boxes, (uint32_t)t->volumes);
+    const status st = scene_groups_join(&t->groups, &outside, (const double(*)[2][3])boxes,
+                                        t->place, &t->objects);
     t->f.objects = &t->objects;
     mem_free(&outside, boxes);
     return st;

@@ -11,6 +11,7 @@
 #include "render/door/leafcast_device.h"
 #include "render/door/leafcast_scene.h"
 #include "render/door/live_steps.h"
+#include "render/door/scene_groups.h"
 #include "render/frame/frame.h"
 
 typedef struct turn {
@@ -18,6 +19,7 @@ typedef struct turn {
     double above;         /* tracer.above of all tracers */
     leafcast_scene scene; /* its experiments and volumes are copied below: */
     leafcast_scene_experiments experiments;
+    scene_groups groups;   /* placed often; their volumes are among these: */
     int volumes;           /* objects, */
     int lookups;           /* and volumes by which they are coloured, behind them: of each */
     leafcast **of;         /* its volume as the scene lists it, and in its place: */
@@ -51,6 +53,11 @@ static inline bool turn_is_first(const turn *t, int i) {
     return t->first[i] == i;
 }
 bool turn_shows(const turn *t, const leafcast *v);
+
+/* turn_grouped() - whether i is a volume of a group: many objects. */
+static inline bool turn_grouped(const turn *t, int i) {
+    return i >= t->groups.singles && i < t->volumes;
+}
 
 /* turn_all() - how many objects and lookups there are. turn_is_lookup() - whether i is a lookup. */
 static inline int turn_all(const turn *t) {

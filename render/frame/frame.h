@@ -25,10 +25,12 @@ struct integrator;
 typedef struct frame {
     mem *m;
     pool *threads;
-    const tracer *tracer; /* one an object; here `volume` is an object's number */
+    const tracer *tracer; /* one a volume of the scene, and of its groups. Objects are volumes; but
+                             one of a group is many objects, and its tracer has no place */
     int volumes;
     int lookups; /* more tracers, behind the objects': rays do not meet them, but ask for values */
-    const object_tree *objects;     /* over the boxes of all; NULL: rays ask each */
+    const object_tree *objects;     /* over the boxes of all; NULL: rays ask each, object i is of
+                                       volume i, and no volume is of a group */
     bool coarse;                    /* some tracer is `coarse` */
     const tracer *const *stand_ins; /* one a volume, of any kind: what is asked where its treelets
                                        are absent; NULL for none, and for all of them */
@@ -56,15 +58,29 @@ static inline bool frame_goes_on(const frame *f) {
            (!f->watch || f->watch(f->watch_ctx, -1.0));
 }
 
-/* frame_object() - returns the first object, from `from` on, that a ray of the scene may meet in
- * [t0, t1]; f->volumes: there is none. */
-static inline uint16_t frame_object(const frame *f, const double origin[3],
+/* frame_objects() - how many objects there are. frame_object() - returns the first one, from `from`
+ * on, that a ray of the scene may meet in [t0, t1]; frame_objects(): there is none.
+ * frame_grouped() - whether an object is of a group. */
+static inline uint32_t frame_objects(const frame *f) {
+    return f->objects ? f->objects->objects : (uint32_t)f->volumes;
+}
+static inline uint32_t frame_object(const frame *f, const double origin[3],
                                     const double direction[3], double t0, double t1,
-                                    uint16_t from) {
-    if (!f->objects || from >= f->volumes)
+                                    uint32_t from) {
+    if (!f->objects || from >= f->objects->objects)
         return from;
     const object_ray r = {origin, direction, t0, t1};
-    return (uint16_t)object_tree_from(f->objects, &r, from);
+    return object_tree_from(f->objects, &r, from);
+}
+static inline bool frame_grouped(const frame *f, uint32_t object) {
+    return f->objects && object_tree_grouped(f->objects, object);
+}
+
+/* frame_volume() - returns the number of an object's volume. *place: set to where it is, if it is
+ * of a group; else its tracer knows. */
+static inline uint16_t frame_volume(const frame *f, uint32_t object, placement *place) {
+    return (uint16_t)(frame_grouped(f, object) ? object_tree_place(f->objects, object, place)
+                                               : object);
 }
 
 /* frame_plane() - index of a pixel in the image's planes. */

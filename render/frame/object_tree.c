@@ -12,16 +12,16 @@ static const double slack = 0x1p-24;
 
 /* ---- Making ---- */
 
-/* An object while the tree is made. */
+/* An entry while the tree is made. */
 typedef struct member {
     double box[2][3], middle[3];
-    uint32_t object;
+    uint32_t entry;
 } member;
 
 static int order(const member *a, const member *b, int axis) {
     if (a->middle[axis] != b->middle[axis])
         return a->middle[axis] < b->middle[axis] ? -1 : 1;
-    return a->object < b->object ? -1 : 1;
+    return a->entry < b->entry ? -1 : 1;
 }
 
 static int order_x(const void *a, const void *b) {
@@ -34,7 +34,7 @@ static int order_z(const void *a, const void *b) {
     return order(a, b, 2);
 }
 
-/* Make the node of these objects, and all below it, from node `at` on. Halves them by their
+/* Make the node of these entries, and all below it, from node `at` on. Halves them by their
  * middles, along the axis on which these lie furthest apart. */
 static void make_node(object_tree *t, uint32_t at, member *of, uint32_t count) {
     static int (*const orders[3])(const void *, const void *) = {order_x, order_y, order_z};
@@ -47,8 +47,8 @@ static void make_node(object_tree *t, uint32_t at, member *of, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         box3_widen(n->box, of[i].box[0], of[i].box[1]);
         box3_widen(spread, of[i].middle, of[i].middle);
-        n->least = of[i].object < n->least ? of[i].object : n->least;
-        n->most = of[i].object > n->most ? of[i].object : n->most;
+        n->least = of[i].entry < n->least ? of[i].entry : n->least;
+        n->most = of[i].entry > n->most ? of[i].entry : n->most;
     }
     if (count == 1) {
         t->leaf[n->least] = at;
@@ -65,9 +65,9 @@ static void make_node(object_tree *t, uint32_t at, member *of, uint32_t count) {
 }
 
 /* Widen a box by much more than rounding. */
-static void begin_member(member *m, const double box[2][3], uint32_t object) {
+static void begin_member(member *m, const double box[2][3], uint32_t entry) {
     double far = 0.0;
-    m->object = object;
+    m->entry = entry;
     for (int a = 0; a < 3; a++)
         far = fmax(far, fmax(fabs(box[0][a]), fabs(box[1][a])));
     for (int a = 0; a < 3; a++) {
@@ -77,17 +77,32 @@ static void begin_member(member *m, const double box[2][3], uint32_t object) {
     }
 }
 
-status object_tree_make(object_tree *t, mem *m, const double (*boxes)[2][3], uint32_t objects) {
-    member *members = mem_array(m, objects, sizeof *members);
-    *t = (object_tree){.objects = objects};
-    t->nodes = members ? mem_array(m, 2 * (size_t)objects - 1, sizeof *t->nodes) : NULL;
-    t->leaf = t->nodes ? mem_array(m, objects, sizeof *t->leaf) : NULL;
-    for (uint32_t i = 0; i < objects && t->leaf; i++)
+status object_tree_make(object_tree *t, mem *m, const double (*boxes)[2][3], uint32_t entries) {
+    member *members = mem_array(m, entries, sizeof *members);
+    *t = (object_tree){.entries = entries, .singles = entries, .objects = entries};
+    t->nodes = members ? mem_array(m, 2 * (size_t)entries - 1, sizeof *t->nodes) : NULL;
+    t->leaf = t->nodes ? mem_array(m, entries, sizeof *t->leaf) : NULL;
+    for (uint32_t i = 0; i < entries && t->leaf; i++)
         begin_member(&members[i], boxes[i], i);
     if (t->leaf)
-        make_node(t, 0, members, objects);
+        make_node(t, 0, members, entries);
     mem_free(m, members);
     return t->leaf ? ST_OK : ST_NOMEM;
+}
+
+/* How many objects a group has at all its places. */
+static uint64_t objects_of(const object_group *g) {
+    return (uint64_t)g->places->entries * g->members->objects;
+}
+
+bool object_tree_count(object_tree *t, object_group *groups) {
+    uint64_t count = t->singles;
+    for (uint32_t i = 0; i < t->entries - t->singles && count <= OBJECTS_MOST; i++) {
+        groups[i].first = (uint32_t)count;
+        count += objects_of(&groups[i]);
+    }
+    t->objects = count <= OBJECTS_MOST ? (uint32_t)count : 0;
+    return t->objects > 0;
 }
 
 void object_tree_release(object_tree *t, mem *m) {
@@ -106,26 +121,54 @@ static inline double greater(double a, double b) {
     return a > b ? a : b;
 }
 
-/* Whether the ray meets a box: sets *in and *out to where. Both keep their order from a box to one
- * inside it. */
-static bool meets(const object_ray *r, const double box[2][3], double *in, double *out) {
+/* A ray in the world of a tree. */
+typedef struct way {
+    double origin[3], direction[3];
+    double inverse[3]; /* of the direction, but for 0 */
+} way;
+
+/* The part of it that is of interest. */
+typedef struct span {
+    double t0, t1;
+} span;
+
+static way way_of(const double origin[3], const double direction[3]) {
+    way w;
+    for (int a = 0; a < 3; a++) {
+        w.origin[a] = origin[a];
+        w.direction[a] = direction[a];
+        w.inverse[a] = direction[a] == 0.0 ? 0.0 : 1.0 / direction[a];
+    }
+    return w;
+}
+
+/* A ray as the world of a group has it, at one of its places. */
+static way way_at(const way *w, const placement *p) {
+    double origin[3], direction[3];
+    return way_of(placement_point(p, w->origin, origin),
+                  placement_vector(p, w->direction, direction));
+}
+
+/* Whether the ray meets a box: sets *at to where, within `within`. Its ends keep their order from a
+ * box to one inside it. */
+static bool meets(const way *w, const span *within, const double box[2][3], span *at) {
     double t0 = -INFINITY, t1 = INFINITY;
     for (int a = 0; a < 3; a++) {
-        const double o = r->origin[a], d = r->direction[a];
+        const double o = w->origin[a], d = w->direction[a];
         if (d == 0.0) {
             if (o < box[0][a] || o > box[1][a])
                 return false;
             continue;
         }
         const bool up = d > 0.0;
-        t0 = greater(t0, (box[!up][a] - o) / d);
-        t1 = lesser(t1, (box[up][a] - o) / d);
+        t0 = greater(t0, (box[!up][a] - o) * w->inverse[a]);
+        t1 = lesser(t1, (box[up][a] - o) * w->inverse[a]);
     }
     t0 -= slack * fabs(t0);
     t1 += slack * fabs(t1);
-    *in = greater(t0, r->t0);
-    *out = lesser(t1, r->t1);
-    return *in <= *out;
+    at->t0 = greater(t0, within->t0);
+    at->t1 = lesser(t1, within->t1);
+    return at->t0 <= at->t1;
 }
 
 /* Whether the first child of a node is likely to be entered first: a guess, for speed alone. */
@@ -137,56 +180,194 @@ static bool begins_with_first(const object_tree *t, uint32_t i, const double dir
     return along > 0.0;
 }
 
-enum { DEPTH = 32 }; /* of a tree that halves up to 2^31 objects */
+enum { DEPTH = 32 }; /* of a tree that halves up to 2^31 entries */
 
-bool object_tree_after(const object_tree *t, const object_ray *r, object_entry *at) {
-    const object_entry before = *at;
+/* A tree, or the places of a group: both have boxes, and objects behind them. */
+typedef struct level {
+    const object_tree *boxes;
+    const object_group *places; /* boxes are its places; NULL: a tree's own entries */
+    uint32_t first;             /* number of its first object in the whole */
+} level;
+
+/* The number of the first object of an entry; of the one behind the last entry: of all behind. */
+static uint32_t first_of(const level *l, uint32_t entry) {
+    const object_tree *t = l->boxes;
+    if (l->places)
+        return l->first + entry * l->places->members->objects;
+    if (entry < t->singles)
+        return l->first + entry;
+    return l->first + (entry < t->entries ? t->groups[entry - t->singles].first : t->objects);
+}
+
+/* What is behind an entry that is no object. *own: the ray as that has it, if it differs; returns
+ * the ray to go on with. */
+static const way *enter(const level *l, uint32_t entry, const way *w, level *next, way *own) {
+    const uint32_t first = first_of(l, entry);
+    if (!l->places) {
+        const object_group *g = &l->boxes->groups[entry - l->boxes->singles];
+        *next = (level){g->places, g, first};
+        return w;
+    }
+    *next = (level){l->places->members, NULL, first};
+    *own = way_at(w, &l->places->place[entry]);
+    return own;
+}
+
+static bool is_object(const level *l, uint32_t entry) {
+    return !l->places && entry < l->boxes->singles;
+}
+
+/* The search for the next entry behind another. */
+typedef struct search {
+    object_entry before, best;
+} search;
+
+static void take_after(search *s, double t, uint32_t object) {
+    const object_entry *before = &s->before, *best = &s->best;
+    const bool after = t > before->t || (t == before->t && object > before->object);
+    if (after && (t < best->t || (t == best->t && object < best->object)))
+        s->best = (object_entry){t, object};
+}
+
+static void search_after(const level *l, const way *w, const span *within, search *s) {
+    const object_tree *t = l->boxes;
     uint32_t stack[DEPTH + 1], count = 1;
-    object_entry best = {INFINITY, UINT32_MAX};
     stack[0] = 0;
     while (count > 0) {
         const uint32_t i = stack[--count];
         const object_node *n = &t->nodes[i];
-        double in, out;
-        if (!meets(r, n->box, &in, &out) || out < before.t || in > best.t)
+        span at;
+        if (!meets(w, within, n->box, &at) || at.t1 < s->before.t || at.t0 > s->best.t)
             continue;
         if (n->second) {
-            const bool first = begins_with_first(t, i, r->direction);
+            const bool first = begins_with_first(t, i, w->direction);
             stack[count++] = first ? n->second : i + 1;
             stack[count++] = first ? i + 1 : n->second;
-            continue;
+        } else if (is_object(l, n->least)) {
+            take_after(s, at.t0, first_of(l, n->least));
+        } else {
+            level next;
+            way own;
+            const way *on = enter(l, n->least, w, &next, &own);
+            search_after(&next, on, &at, s);
         }
-        const bool after = in > before.t || (in == before.t && n->least > before.object);
-        if (after && (in < best.t || (in == best.t && n->least < best.object)))
-            best = (object_entry){in, n->least};
     }
-    if (best.object != UINT32_MAX)
-        *at = best;
-    return best.object != UINT32_MAX;
+}
+
+bool object_tree_after(const object_tree *t, const object_ray *r, object_entry *at) {
+    const way w = way_of(r->origin, r->direction);
+    search s = {*at, {INFINITY, UINT32_MAX}};
+    search_after(&(level){t, NULL, 0}, &w, &(span){r->t0, r->t1}, &s);
+    if (s.best.object != UINT32_MAX)
+        *at = s.best;
+    return s.best.object != UINT32_MAX;
+}
+
+/* The entry of a level that has an object. */
+static uint32_t entry_with(const level *l, uint32_t object) {
+    const object_tree *t = l->boxes;
+    const uint32_t number = object - l->first;
+    if (l->places)
+        return number / l->places->members->objects;
+    if (number < t->singles)
+        return number;
+    uint32_t low = 0, high = t->entries - t->singles;
+    while (high - low > 1) {
+        const uint32_t middle = low + (high - low) / 2;
+        if (t->groups[middle].first <= number)
+            low = middle;
+        else
+            high = middle;
+    }
+    return t->singles + low;
 }
 
 object_entry object_tree_entry(const object_tree *t, const object_ray *r, uint32_t object) {
-    object_entry at = {.object = object};
-    double out;
-    (void)meets(r, t->nodes[t->leaf[object]].box, &at.t, &out);
-    return at;
+    way own[2] = {way_of(r->origin, r->direction)};
+    const way *w = &own[0];
+    level l = {t, NULL, 0};
+    span at = {r->t0, r->t1};
+    for (;;) {
+        const uint32_t entry = entry_with(&l, object);
+        const span within = at;
+        level next;
+        (void)meets(w, &within, l.boxes->nodes[l.boxes->leaf[entry]].box, &at);
+        if (is_object(&l, entry))
+            return (object_entry){at.t0, object};
+        w = enter(&l, entry, w, &next, w == &own[0] ? &own[1] : &own[0]);
+        l = next;
+    }
 }
 
-uint32_t object_tree_from(const object_tree *t, const object_ray *r, uint32_t from) {
-    uint32_t stack[DEPTH + 1], count = 1, best = t->objects;
+/* Returns the least number from `from` on, below `best`, or `best`. */
+static uint32_t search_from(const level *l, const way *w, const span *within, uint32_t from,
+                            uint32_t best) {
+    const object_tree *t = l->boxes;
+    uint32_t stack[DEPTH + 1], count = 1;
     stack[0] = 0;
     while (count > 0) {
         const uint32_t i = stack[--count];
         const object_node *n = &t->nodes[i];
-        double in, out;
-        if (n->most < from || n->least >= best || !meets(r, n->box, &in, &out))
+        span at;
+        if (first_of(l, n->most + 1) <= from || first_of(l, n->least) >= best ||
+            !meets(w, within, n->box, &at))
             continue;
         if (n->second) {
             stack[count++] = n->second;
             stack[count++] = i + 1;
+        } else if (is_object(l, n->least)) {
+            best = first_of(l, n->least);
         } else {
-            best = n->least;
+            level next;
+            way own;
+            const way *on = enter(l, n->least, w, &next, &own);
+            best = search_from(&next, on, &at, from, best);
         }
     }
     return best;
+}
+
+uint32_t object_tree_from(const object_tree *t, const object_ray *r, uint32_t from) {
+    const way w = way_of(r->origin, r->direction);
+    return search_from(&(level){t, NULL, 0}, &w, &(span){r->t0, r->t1}, from, t->objects);
+}
+
+/* ---- Objects ---- */
+
+/* The places on the way from the tree at the top to an object. */
+typedef struct chain {
+    const placement *of[OBJECT_DEPTH + 1];
+    int count;
+    uint32_t volume;
+} chain;
+
+static chain chain_to(const object_tree *t, uint32_t object) {
+    level l = {t, NULL, 0};
+    chain c = {.count = 0};
+    for (;;) {
+        const uint32_t entry = entry_with(&l, object), first = first_of(&l, entry);
+        if (is_object(&l, entry)) {
+            if (l.boxes->place && l.boxes->place[entry].moved)
+                c.of[c.count++] = &l.boxes->place[entry];
+            c.volume = l.boxes->volume + entry;
+            return c;
+        }
+        if (l.places) {
+            c.of[c.count++] = &l.places->place[entry];
+            l = (level){l.places->members, NULL, first};
+        } else {
+            const object_group *g = &l.boxes->groups[entry - l.boxes->singles];
+            l = (level){g->places, g, first};
+        }
+    }
+}
+
+uint32_t object_tree_place(const object_tree *t, uint32_t object, placement *place) {
+    const chain c = chain_to(t, object);
+    double of[12];
+    memcpy(of, c.of[c.count - 1]->space.to_world, sizeof of);
+    for (int i = c.count - 2; i >= 0; i--)
+        placement_follow(of, (const double *)c.of[i]->space.to_world);
+    *place = placement_of(of);
+    return c.volume;
 }

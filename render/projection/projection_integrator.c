@@ -223,7 +223,7 @@ static bool projection_ask(const frame *f, ray_record *record, ray_question *q,
     for (;; p->head.volume++) {
         if (p->head.volume < f->volumes)
             p->head.volume =
-                frame_object(f, origin, direction, 0.0, (double)INFINITY, p->head.volume);
+                (uint16_t)frame_object(f, origin, direction, 0.0, (double)INFINITY, p->head.volume);
         if (p->head.volume >= f->volumes)
             break;
         q->tracer = &f->tracer[p->head.volume];

@@ -91,6 +91,17 @@ placement placement_of(const double *place) {
     return p;
 }
 
+void placement_follow(double place[12], const double next[12]) {
+    double out[12];
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 4; c++) {
+            out[4 * r + c] = c == 3 ? next[4 * r + 3] : 0.0;
+            for (int k = 0; k < 3; k++)
+                out[4 * r + c] += next[4 * r + k] * place[4 * k + c];
+        }
+    memcpy(place, out, sizeof out);
+}
+
 /* ---- There and back ---- */
 
 const double *placement_point(const placement *p, const double scene[3], double own[3]) {

@@ -29,6 +29,9 @@ CHECKED status placement_check(const double *place);
 /* placement_of() - place: 12 numbers that passed, or NULL. */
 placement placement_of(const double *place);
 
+/* placement_follow() - let place[] be followed by `next`: both are 12 numbers. */
+void placement_follow(double place[12], const double next[12]);
+
 /* placement_point(), placement_vector() - take a point, or a vector, of the scene's world to the
  * volume's own: into own[], which is returned; or `scene` where both are the same. */
 const double *placement_point(const placement *p, const double scene[3], double own[3]);

@@ -47,20 +47,22 @@ bool tracer_box(const tracer *tr, const ray *r, double *t0, double *t1) {
     return *t0 <= *t1;
 }
 
-void tracer_direction(const tracer *tr, const double direction[3], double in_grid[3]) {
+static void direction_at(const tracer *tr, const placement *place, const double direction[3],
+                         double in_grid[3]) {
     double own[3];
-    affine_vector_to_grid(&tr->space, placement_vector(&tr->place, direction, own), in_grid);
+    affine_vector_to_grid(&tr->space, placement_vector(place, direction, own), in_grid);
     for (int a = 0; a < 3; a++)
         in_grid[a] += 0.0; /* -0 becomes +0 */
 }
 
-bool tracer_ray_along(const tracer *tr, const double origin[3], const double direction[3],
-                      double t0, double t1, ray *out) {
+/* Make a ray whose direction out->d holds. */
+static bool ray_along(const tracer *tr, const placement *place, const double origin[3],
+                      const double direction[3], double t0, double t1, ray *out) {
     for (int i = 0; i < tr->clip_count; i++)
         if (!cut(tr->clip[i], origin, direction, &t0, &t1))
             return false;
     double own[3];
-    affine_point_to_grid(&tr->space, placement_point(&tr->place, origin, own), out->o);
+    affine_point_to_grid(&tr->space, placement_point(place, origin, own), out->o);
     for (int a = 0; a < 3; a++) {
         const double end = tr->box[1][a];
         out->held[a] = out->o[a] < end ? out->o[a] : nextafter(end, tr->box[0][a]);
@@ -73,10 +75,24 @@ bool tracer_ray_along(const tracer *tr, const double origin[3], const double dir
     return true;
 }
 
+void tracer_direction(const tracer *tr, const double direction[3], double in_grid[3]) {
+    direction_at(tr, &tr->place, direction, in_grid);
+}
+
+bool tracer_ray_along(const tracer *tr, const double origin[3], const double direction[3],
+                      double t0, double t1, ray *out) {
+    return ray_along(tr, &tr->place, origin, direction, t0, t1, out);
+}
+
+bool tracer_ray_at(const tracer *tr, const placement *place, const double origin[3],
+                   const double direction[3], double t0, double t1, ray *out) {
+    direction_at(tr, place, direction, out->d);
+    return ray_along(tr, place, origin, direction, t0, t1, out);
+}
+
 bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
                 double t1, ray *out) {
-    tracer_direction(tr, direction, out->d);
-    return tracer_ray_along(tr, origin, direction, t0, t1, out);
+    return tracer_ray_at(tr, &tr->place, origin, direction, t0, t1, out);
 }
 
 trace_result tracer_find(const tracer *tr, const ray *r, trace_state *state,
@@ -84,18 +100,22 @@ trace_result tracer_find(const tracer *tr, const ray *r, trace_state *state,
     return tr->kind->walks->next(tr, r, state, counters);
 }
 
-void tracer_take_back(const tracer *tr, const ray *r, trace_result result, trace_state *state) {
+void tracer_take_back_from(const tracer *tr, const placement *place, const ray *r, double t,
+                           surface_point *point) {
     double grid[3], reach[3];
-    if (!tr->place.moved || result != TRACE_HIT || state->any || hit_is_bound(&state->best))
-        return;
     for (int a = 0; a < 3; a++)
-        grid[a] = fabs(r->o[a]) + fabs(state->best.t * r->d[a]);
+        grid[a] = fabs(r->o[a]) + fabs(t * r->d[a]);
     for (int i = 0; i < 3; i++) {
         reach[i] = fabs(tr->space.to_world[i][3]);
         for (int a = 0; a < 3; a++)
             reach[i] += fabs(tr->space.to_world[i][a]) * grid[a];
     }
-    placement_take_back(&tr->place, reach, &state->point);
+    placement_take_back(place, reach, point);
+}
+
+void tracer_take_back(const tracer *tr, const ray *r, trace_result result, trace_state *state) {
+    if (tr->place.moved && result == TRACE_HIT && !state->any && !hit_is_bound(&state->best))
+        tracer_take_back_from(tr, &tr->place, r, state->best.t, &state->point);
 }
 
 trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,

@@ -71,6 +71,10 @@ typedef struct trace_state {
 bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
                 double t1, ray *out);
 
+/* tracer_ray_at() - the same of a volume whose own world lies at `place` instead of tr->place. */
+bool tracer_ray_at(const tracer *tr, const placement *place, const double origin[3],
+                   const double direction[3], double t0, double t1, ray *out);
+
 /* tracer_enters_by() - returns the number of the clip plane through which a world-space ray, from
  * t = 0 on, enters the part that no plane cuts off. Sets *t to the t of that point. Returns -1 if
  * the ray begins inside that part, or misses it. */
@@ -112,6 +116,11 @@ trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
 trace_result tracer_find(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters);
 void tracer_take_back(const tracer *tr, const ray *r, trace_result result, trace_state *state);
+
+/* tracer_take_back_from() - take a point at t on a ray from the volume's own world to the scene's,
+ * in which it lies at `place`. */
+void tracer_take_back_from(const tracer *tr, const placement *place, const ray *r, double t,
+                           surface_point *point);
 
 /* tracer_bundle() - a bundle of the scene's rays, as the volume's own world has it. */
 ray_bundle tracer_bundle(const tracer *tr, const ray_bundle *rays);

@@ -37,10 +37,13 @@ static leafcast_ray_hit no_hit(void) {
     return (leafcast_ray_hit){.t = INFINITY, .volume = -1, .surface = -1};
 }
 
-/* Describe hit h with volume v, and its point, on a ray. */
-static leafcast_ray_hit hit_of(const frame *f, const leafcast_ray *from, int v, const hit *h,
-                               const surface_point *point) {
+/* Describe what a ray has found. */
+static leafcast_ray_hit hit_of(const frame *f, const leafcast_ray *from, const surface_search *s) {
+    const hit *h = &s->found;
+    const surface_point *point = &s->point;
+    const int v = s->found_volume;
     leafcast_ray_hit out = {.t = h->t,
+                            .object = s->found_object,
                             .volume = v,
                             .surface = look_of(f)->first_id[v] + h->iso,
                             .isovalue = f->tracer[v].isos.isovalues[h->iso],
@@ -53,8 +56,7 @@ static leafcast_ray_hit hit_of(const frame *f, const leafcast_ray *from, int v, 
 
 static leafcast_ray_hit found_by(const frame *f, const leafcast_ray *from,
                                  const surface_search *s) {
-    return hit_exists(&s->found) ? hit_of(f, from, s->found_volume, &s->found, &s->point)
-                                 : no_hit();
+    return hit_exists(&s->found) ? hit_of(f, from, s) : no_hit();
 }
 
 static bool own_ask(const frame *f, ray_record *r, ray_question *q, ray_counters *counters) {
@@ -79,8 +81,7 @@ static bool own_ask(const frame *f, ray_record *r, ray_question *q, ray_counters
 
 static void own_answer(const frame *f, ray_record *r, trace_result result) {
     own_ray *p = own_ray_of(r);
-    (void)f;
-    surface_search_answer(NULL, &p->head.volume, &p->search, result);
+    surface_search_answer(f, NULL, p->head.volume, &p->search, result);
 }
 
 /* No order of treelets fits all rays. Use the order along the first ray: it is as good as any. */

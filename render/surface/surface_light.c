@@ -78,10 +78,10 @@ static void begin_behind(const hit *surface, double t, trace_state *to) {
     to->origin_iso = surface->iso;
 }
 
-trace_state lit_search(const frame *f, const lit_surface *s, uint16_t v, const double to[3]) {
+trace_state lit_search(const frame *f, const lit_surface *s, uint32_t object, const double to[3]) {
     const hit anywhere = hit_before_all();
     trace_state state = trace_begin(&anywhere);
-    if (v == s->volume)
+    if (object == s->object)
         begin_behind(s->found, lit_behind(s, to), &state);
     state.any = surface_opaque(f);
     return state;

@@ -24,6 +24,7 @@ typedef struct lit_surface {
     double at[3];
     double direction[3]; /* of the ray that has met it, unit length */
     uint16_t volume;
+    uint32_t object; /* of that volume */
     const hit *found;
     const surface_point *point;
 } lit_surface;
@@ -46,8 +47,8 @@ double lit_behind(const lit_surface *s, const double to[3]);
  * its start is more than a cell. */
 bool lit_ill_conditioned(const lit_surface *s, const double to[3]);
 
-/* lit_search() - returns the initial search of a shadow ray in volume v. */
-trace_state lit_search(const frame *f, const lit_surface *s, uint16_t v, const double to[3]);
+/* lit_search() - returns the initial search of a shadow ray in an object. */
+trace_state lit_search(const frame *f, const lit_surface *s, uint32_t object, const double to[3]);
 
 /* lit_dim() - dim *visibility by a surface of volume v that a shadow ray has met. Returns false
  * when no light is left. */

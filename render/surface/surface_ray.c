@@ -12,7 +12,8 @@
 typedef struct surface_mirror {
     hit behind, found; /* of the search that has met the surface */
     surface_point point;
-    uint16_t behind_volume, found_volume;
+    uint32_t behind_object, found_object;
+    uint16_t found_volume;
     int32_t layers;             /* on the ray that has met it, */
     float through;              /* and what these leave of the rest */
     float own[3], reflectivity; /* its colour but for the mirrored ray, whose share is the second */
@@ -70,7 +71,7 @@ static world_ray current_ray(const frame *f, const surface_ray *p) {
         return surface_ray_primary(f, p->head.pixel);
     const surface_mirror *m = mirror_of(f, p);
     world_ray w = {
-        .t1 = INFINITY, .from = &m->found, .behind = m->leaves, .from_volume = m->found_volume};
+        .t1 = INFINITY, .from = &m->found, .behind = m->leaves, .from_object = m->found_object};
     memcpy(w.origin, m->origin, sizeof w.origin);
     memcpy(w.direction, m->direction, sizeof w.direction);
     return w;
@@ -79,8 +80,10 @@ static world_ray current_ray(const frame *f, const surface_ray *p) {
 /* The current surface, for lights. */
 static lit_surface current(const frame *f, const surface_ray *p) {
     const world_ray w = current_ray(f, p);
-    lit_surface s = {
-        .volume = p->search.found_volume, .found = &p->search.found, .point = &p->search.point};
+    lit_surface s = {.volume = p->search.found_volume,
+                     .object = p->search.found_object,
+                     .found = &p->search.found,
+                     .point = &p->search.point};
     memcpy(s.direction, w.direction, sizeof s.direction);
     for (int a = 0; a < 3; a++)
         s.at[a] = w.origin[a] + p->search.found.t * w.direction[a];
@@ -98,24 +101,28 @@ bool surface_ray_find(const frame *f, surface_ray *p, ray_question *q) {
 
 /* ---- Rays to lights ---- */
 
-/* Ask the next volume for what hides the light. Returns false once the visibility is known. */
+/* Ask the next object for what hides the light. Returns false once the visibility is known. */
 static bool ask_for_shadow(const frame *f, surface_ray *p, const lit_surface *s, const lit_way *way,
                            ray_question *q) {
-    for (;; p->head.volume++) {
-        const uint16_t v = frame_object(f, s->at, way->to, 0.0, way->distance, p->head.volume);
-        p->head.volume = v;
-        if (v >= f->volumes || !(p->visibility > 0.0f))
+    uint32_t *object = &p->search.object;
+    for (;; ++*object) {
+        placement place;
+        *object = frame_object(f, s->at, way->to, 0.0, way->distance, *object);
+        if (*object >= frame_objects(f) || !(p->visibility > 0.0f))
             break;
-        q->tracer = &f->tracer[v];
+        p->head.volume = frame_volume(f, *object, &place);
+        q->tracer = &f->tracer[p->head.volume];
         q->state = &p->search.state;
-        if (!tracer_ray(q->tracer, s->at, way->to, 0.0, way->distance, &q->ray))
+        if (!tracer_ray_at(q->tracer, frame_grouped(f, *object) ? &place : &q->tracer->place, s->at,
+                           way->to, 0.0, way->distance, &q->ray))
             continue;
         if (!p->search.searching) {
-            p->search.state = lit_search(f, s, v, way->to);
+            p->search.state = lit_search(f, s, *object, way->to);
             p->search.searching = true;
         }
         return true;
     }
+    *object = 0;
     p->head.volume = 0;
     p->shadow = false;
     return false;
@@ -130,7 +137,7 @@ static void answer_shadow(const frame *f, surface_ray *p, trace_result result) {
         return;
     }
     p->search.searching = false;
-    p->head.volume++;
+    p->search.object++;
 }
 
 /* ---- Lights, and ambient light ---- */
@@ -347,7 +354,8 @@ static bool begin_mirrored(const frame *f, surface_ray *p, ray_counters *counter
     surface_mirror m = {.behind = p->search.behind,
                         .found = p->search.found,
                         .point = p->search.point,
-                        .behind_volume = p->search.behind_volume,
+                        .behind_object = p->search.behind_object,
+                        .found_object = p->search.found_object,
                         .found_volume = p->search.found_volume,
                         .layers = p->layers,
                         .through = more_of(f, p)->through,
@@ -381,7 +389,8 @@ static void end_mirrored(const frame *f, surface_ray *p) {
     p->search.behind = m->behind;
     p->search.found = m->found;
     p->search.point = m->point;
-    p->search.behind_volume = m->behind_volume;
+    p->search.behind_object = m->behind_object;
+    p->search.found_object = m->found_object;
     p->search.found_volume = m->found_volume;
     p->layers = m->layers;
     more_of(f, p)->through = m->through;
@@ -491,9 +500,9 @@ void surface_ray_write(const frame *f, const surface_ray *p, const float rgba[4]
 
 void surface_ray_answer(const frame *f, surface_ray *p, trace_result result) {
     if (p->head.leg == SURFACE_PRIMARY)
-        surface_search_answer(f->stand_ins, &p->head.volume, &p->search, result);
+        surface_search_answer(f, f->stand_ins, p->head.volume, &p->search, result);
     else if (p->head.leg == mirrored_leg(surface_look_of(f)->scene))
-        surface_search_answer(NULL, &p->head.volume, &p->search, result);
+        surface_search_answer(f, NULL, p->head.volume, &p->search, result);
     else
         answer_shadow(f, p, result);
 }
