@@ -24,6 +24,8 @@ void picture_scene_release(picture_scene *p) {
     mem_free(p->m, p->measured);
     mem_free(p->m, p->by);
     mem_free(p->m, p->colourings);
+    mem_free(p->m, p->grouped);
+    p->grouped = NULL;
     p->shown = NULL;
     p->transfer = NULL;
     p->media = NULL;
@@ -49,6 +51,10 @@ static status make_room(picture_scene *p, int count) {
     p->measured = mem_array(p->m, (size_t)count, sizeof *p->measured);
     p->by = mem_array(p->m, (size_t)count, sizeof *p->by);
     p->colourings = mem_array(p->m, (size_t)count, sizeof *p->colourings);
+    p->grouped =
+        p->group_count ? mem_array(p->m, (size_t)p->group_count, sizeof *p->grouped) : NULL;
+    if (p->group_count > 0 && !p->grouped)
+        return ST_NOMEM;
     if (!p->shown || !p->transfer || !p->media || !p->colours || !p->measured || !p->by ||
         !p->colourings)
         return ST_NOMEM;
@@ -187,6 +193,67 @@ static status colour_caps(picture_scene *p, const picture_volume *first, leafcas
     return st;
 }
 
+/* ---- Groups ---- */
+
+/* Whether a group is somewhere. */
+static bool is_somewhere(const picture_scene *p, int group) {
+    while (group > 0 && p->groups[group - 1].places)
+        group = p->groups[group - 1].parent;
+    return group == 0;
+}
+
+/* List the groups that lie in one, side by side, from *at on; they get their own later. */
+static void list_inside(picture_scene *p, int parent, leafcast_group *at[], int *count) {
+    for (int g = 1; g <= p->group_count; g++)
+        if (p->groups[g - 1].parent == parent && is_somewhere(p, g)) {
+            at[g] = &p->grouped[(*count)++];
+            *at[g] = (leafcast_group){.places = p->groups[g - 1].places};
+        }
+}
+
+static leafcast_group *list_level(picture_scene *p, int parent, leafcast_group *at[], int *listed,
+                                  int *count) {
+    leafcast_group *first = &p->grouped[*listed];
+    const int before = *listed;
+    list_inside(p, parent, at, listed);
+    *count = *listed - before;
+    return *count > 0 ? first : NULL;
+}
+
+/* Give the scene its groups. Objects of groups that are nowhere are left out. */
+static status describe_groups(picture_scene *p, const picture_volume *volumes, int count,
+                              leafcast_scene *scene) {
+    int listed = 0, own = 0;
+    leafcast_group **at = mem_array(p->m, (size_t)p->group_count + 1, sizeof *at);
+    if (!at)
+        return ST_NOMEM;
+    scene->groups = list_level(p, 0, at, &listed, &scene->group_count);
+    for (int g = 1; g <= p->group_count; g++)
+        if (at[g])
+            at[g]->groups = list_level(p, g, at, &listed, &at[g]->group_count);
+    for (int i = 0; i < count; i++) {
+        leafcast_group *in_it = at[volumes[i].group];
+        own += volumes[i].group == 0;
+        if (in_it && in_it->volume_count++ == 0)
+            in_it->volumes = &p->shown[i];
+    }
+    mem_free(p->m, at);
+    scene->volume_count = own;
+    if (own == 0 && scene->group_count == 0)
+        return status_describe(ST_USAGE, "the scene is empty: no tile lies anywhere");
+    return ST_OK;
+}
+
+/* Refuse what objects of groups cannot have. */
+static status check_grouped(const picture_volume *volume) {
+    if (volume->group == 0 || !view_options_medium(volume->view))
+        return ST_OK;
+    return status_describe(ST_USAGE,
+                           "a medium fills \"%s\", which lies in a scene that is placed many "
+                           "times: media are of objects of the scene itself, each at its place",
+                           leafcast_describe(volume->volume).name);
+}
+
 status picture_scene_describe(picture_scene *p, const picture_volume *volumes, int count,
                               bool always, leafcast_scene *scene) {
     const view_options *first = volumes[0].view;
@@ -194,7 +261,7 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
     *scene = view_options_scene(first, &p->experiments);
     status st = colour_caps(p, volumes, scene);
     const bool by_value = count == 1 && view_options_coloured(first);
-    always = always || volumes[0].place;
+    always = always || volumes[0].place || p->group_count > 0;
     if (st != ST_OK || (count == 1 && !filled && !by_value && !always))
         return st;
     st = make_room(p, count);
@@ -211,14 +278,18 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
                                        .between = v->time.between,
                                        .place = volumes[i].place};
         if (st == ST_OK)
+            st = check_grouped(&volumes[i]);
+        if (st == ST_OK)
             st = find_colouring(p, volumes, count, i, keeper);
         if (st == ST_OK && (filled || view_options_coloured(v)))
             st = fill_volume(p, volumes, i, keeper);
     }
     scene->volumes = p->shown;
     scene->volume_count = count;
+    if (st == ST_OK && p->group_count > 0)
+        st = describe_groups(p, volumes, count, scene);
     scene->media = p->media;
-    scene->media_count = filled ? count : 0;
+    scene->media_count = filled ? scene->volume_count : 0;
     return st;
 }
 

@@ -15,7 +15,14 @@ typedef struct picture_volume {
     leafcast *volume;
     const view_options *view;
     const double *place;
+    int group; /* number of the group in which it lies, from 1 on; 0: in none */
 } picture_volume;
+
+/* What is placed many times (leafcast_group). */
+typedef struct picture_group {
+    int parent;              /* the group in which it lies, from 1 on; 0: in none */
+    leafcast_places *places; /* NULL: nowhere */
+} picture_group;
 
 /* The step whose values set presets and windows: that of the first picture of this field. So
  * colours mean the same at every step. */
@@ -38,6 +45,10 @@ typedef struct picture_scene {
     leafcast_colouring *colourings; /* of all */
     transfer_list caps;             /* colours of caps; empty: the surfaces' own */
     leafcast_medium cap_colours;
+    const picture_group *groups; /* group_count of them, level by level; objects come in this order,
+                                    those of none first. Set them after picture_scene_init() */
+    int group_count;
+    leafcast_group *grouped; /* for the scene */
     leafcast_scene_experiments experiments;
 } picture_scene;
 

@@ -11,10 +11,10 @@
 #include "formats/base/output_name.h"
 #include "formats/base/printed_file.h"
 #include "render/app/lost_marks.h"
+#include "render/app/render_groups.h"
 #include "render/app/transfer_file.h"
 #include "render/app/view_camera.h"
 #include "render/look/camera.h"
-#include "render/ray/placement.h"
 
 enum { META_TEXT_MAX = 1024, NOTES_MAX = 16 };
 
@@ -62,10 +62,10 @@ static int places_of(const render_places *p) {
 
 /* List a volume at its places. */
 static void list_places(render_job *job, leafcast *volume, const view_options *view,
-                        const render_places *p) {
+                        const render_places *p, int group) {
     for (int i = 0; i < places_of(p); i++)
         job->objects[job->object_count++] =
-            (picture_volume){volume, view, p->count > 0 ? p->at + 12 * (size_t)i : NULL};
+            (picture_volume){volume, view, p->count > 0 ? p->at + 12 * (size_t)i : NULL, group};
 }
 
 /* List all objects of the pictures. */
@@ -79,9 +79,10 @@ static status list_objects(render_job *job) {
     job->objects = mem_array(&job->m, count, sizeof *job->objects);
     if (!job->objects)
         return ST_NOMEM;
-    list_places(job, job->volume, NULL, &job->places);
+    list_places(job, job->volume, NULL, &job->places, job->group);
     for (int i = 0; i < job->also_count; i++)
-        list_places(job, job->also[i].volume, &job->also[i].view, &job->also[i].places);
+        list_places(job, job->also[i].volume, &job->also[i].view, &job->also[i].places,
+                    job->also[i].group);
     return ST_OK;
 }
 
@@ -93,6 +94,10 @@ status render_job_open(render_job *job, const char *path, const leafcast_options
     status st = open_volumes(job, path, options);
     if (st == ST_OK)
         st = list_objects(job);
+    if (st == ST_OK && job->group_count > 0)
+        st = render_groups_place(job);
+    job->scene.groups = job->placed;
+    job->scene.group_count = job->group_count;
     if (st == ST_OK)
         job->info = leafcast_describe(job->volume);
     if (st == ST_OK)
@@ -119,6 +124,7 @@ void render_job_close(render_job *job) {
     job->files = NULL;
     mem_free(&job->m, job->objects);
     job->objects = NULL;
+    render_groups_release(job);
     for (int i = 0; i < job->also_count; i++) {
         if (job->also[i].same < 0)
             leafcast_close(job->also[i].volume);
@@ -522,14 +528,7 @@ static status write_targets(render_job *job, const script_frame *frame,
 static leafcast_camera view_of_all(const render_job *job, const view_options *view,
                                    double *diagonal) {
     double box[2][3], corners[8][3];
-    box3_begin(box);
-    for (int i = 0; i < job->object_count; i++) {
-        const leafcast_info info = leafcast_describe(job->objects[i].volume);
-        const placement place = placement_of(job->objects[i].place);
-        double own[2][3];
-        placement_box(&place, info.bounds, own);
-        box3_widen(box, own[0], own[1]);
-    }
+    render_groups_box(job, box);
     for (int k = 0; k < 8; k++)
         box3_corner(box, k, corners[k]);
     *diagonal = hypot(hypot(box[1][0] - box[0][0], box[1][1] - box[0][1]), box[1][2] - box[0][2]);

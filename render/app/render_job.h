@@ -18,6 +18,15 @@ typedef struct render_places {
     int count;
 } render_places;
 
+/* A scene that another places many times, or an object of a scene: the volumes of this group lie
+ * in it. */
+typedef struct render_group {
+    int parent; /* the group in which it lies, from 1 on; 0: none */
+    render_places places;
+    const struct scene_tiles *tiles; /* what says where they are, once files are open; or NULL */
+    int tile;
+} render_group;
+
 /* A volume that is drawn together with the first one. */
 typedef struct render_also {
     const char *path;
@@ -27,6 +36,7 @@ typedef struct render_also {
     int same; /* the number of the volume whose file is this one, opened before: 1 is also[0], 0 the
                  picture's first; -1: none */
     render_places places;
+    int group; /* in which it lies, from 1 on, then at one place at most; 0: none */
 } render_also;
 
 typedef struct render_job {
@@ -34,8 +44,12 @@ typedef struct render_job {
     leafcast *volume;
     render_also *also; /* also_count more volumes, on the same device */
     int also_count;
-    bool fits_all;           /* views are of all objects, in the scene's world */
-    render_places places;    /* of the first volume */
+    bool fits_all;        /* views are of all objects, in the scene's world */
+    render_places places; /* of the first volume */
+    int group;            /* of that, too; then all volumes are of groups */
+    render_group *groups; /* group_count of them, level by level; volumes come in this order */
+    int group_count;
+    picture_group *placed;   /* the same, made */
     picture_volume *objects; /* of all, each at each of its places; its flags are those of `also` */
     int object_count;
     picture_scene scene;

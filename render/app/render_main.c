@@ -176,6 +176,9 @@ int main(int argc, char **argv) {
                       .also = o.also,
                       .also_count = o.also_count,
                       .places = o.places,
+                      .group = o.group,
+                      .groups = o.groups,
+                      .group_count = o.group_count,
                       .fits_all = o.scene,
                       .watch = cli_progress(&o.common)};
     job.out = (image_out_options){.force = o.common.force,

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/base/cli_value.h"
+#include "render/app/scene_tiles.h"
 #include "render/app/world_options.h"
 
 /* ---- flags ---- */
@@ -178,6 +179,13 @@ void render_options_release(render_options *o) {
         mem_free(&m, o->also[i].places.at);
         mem_free(&m, o->also[i].allocated);
     }
+    for (int i = 0; i < o->group_count; i++)
+        mem_free(&m, o->groups[i].places.at);
+    for (size_t i = 0; i < o->scene_path_count; i++)
+        mem_free(&m, o->scene_paths[i]);
+    scene_tiles_free(&m, o->scene_tiles);
+    mem_free(&m, o->groups);
+    mem_free(&m, o->scene_paths);
     mem_free(&m, o->places.at);
     mem_free(&m, o->first_path);
     mem_free(&m, o->flags);

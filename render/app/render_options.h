@@ -22,11 +22,17 @@ typedef struct render_options {
     render_also *also;      /* --and; later flags are about the last one */
     int also_count;
     size_t also_room;
-    render_places places; /* of the first volume, by a scene file */
-    bool follow_links;    /* ... which may name files anywhere */
-    bool scene;           /* the input is such a file; common.input is then its first object's */
-    char *first_path;     /* that, allocated */
-    struct render_flag {  /* flags of the view, in their order, for scene_file_load() */
+    render_places places; /* of the first volume, by a scene file, */
+    int group;            /* and its group */
+    render_group *groups;
+    int group_count;
+    struct scene_tiles *scene_tiles; /* by which some are placed; a list */
+    char **scene_paths;              /* of the scenes in the scene */
+    size_t scene_path_count;
+    bool follow_links;   /* ... which may name files anywhere */
+    bool scene;          /* the input is such a file; common.input is then its first object's */
+    char *first_path;    /* that, allocated */
+    struct render_flag { /* flags of the view, in their order, for scene_file_load() */
         int key;
         const char *text;
         bool of_one; /* of one volume, before any --and */

@@ -42,7 +42,7 @@ static status first_hit(mem *m, view_wish *wish, const double at[2], leafcast_hi
     picture_scene parts;
     leafcast_scene scene;
     double suggested[LEAFCAST_SUGGESTIONS_MAX], origin[3], direction[3];
-    const picture_volume volume = {wish->volume, v, NULL};
+    const picture_volume volume = {wish->volume, v, NULL, 0};
     picture_scene_init(&parts, m);
     status st = picture_scene_choose(wish->volume, v, suggested, count);
     *count = 0;

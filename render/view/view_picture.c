@@ -366,7 +366,7 @@ status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t besid
     view_picture_stop(p);
     expect_next(p, wish);
     p->wish = *wish;
-    p->volume = (picture_volume){wish->volume, &p->wish.view, NULL};
+    p->volume = (picture_volume){wish->volume, &p->wish.view, NULL, 0};
     p->beside = beside;
     p->part = 0;
     p->overdue = false;
