@@ -160,11 +160,13 @@ enum {
 /* Many places, which pictures share: of each some 350 bytes, beside leafcast_options.memory.
  *
  * leafcast_make_places() - copy `count` places, 12 numbers each, as leafcast_shown.place; for
- * scenes of the volume's device. leafcast_free_places() - NULL, too; not while a picture that shows
- * them is under way. */
+ * scenes of the volume's device. which: NULL, or for each place which one of the groups in its
+ * group lies there, alone. leafcast_free_places() - NULL, too; not while a picture that shows them
+ * is under way. */
 typedef struct leafcast_places leafcast_places;
 LEAFCAST_API leafcast_status leafcast_make_places(const leafcast *volume, const double *places,
-                                                  uint32_t count, leafcast_places **out);
+                                                  const uint16_t *which, uint32_t count,
+                                                  leafcast_places **out);
 LEAFCAST_API void leafcast_free_places(leafcast_places *places);
 
 /* Objects that lie together in a world of their own, and that world at many places (M08 5.2:
@@ -177,6 +179,8 @@ typedef struct leafcast_group {
     leafcast_places *places;       /* in the world of what lists the group; of no other group */
     const leafcast_shown *volumes; /* in the group's own world */
     int volume_count;
+    /* In that world, too. Where places say which of them lies there: these have no places of their
+     * own (NULL), and there are no volumes. */
     const struct leafcast_group *groups;
     int group_count;
 } leafcast_group;

@@ -197,7 +197,7 @@ static status colour_caps(picture_scene *p, const picture_volume *first, leafcas
 
 /* Whether a group is somewhere. */
 static bool is_somewhere(const picture_scene *p, int group) {
-    while (group > 0 && p->groups[group - 1].places)
+    while (group > 0 && (p->groups[group - 1].places || p->groups[group - 1].chosen))
         group = p->groups[group - 1].parent;
     return group == 0;
 }

@@ -21,7 +21,8 @@ typedef struct picture_volume {
 /* What is placed many times (leafcast_group). */
 typedef struct picture_group {
     int parent;              /* the group in which it lies, from 1 on; 0: in none */
-    leafcast_places *places; /* NULL: nowhere */
+    leafcast_places *places; /* NULL: nowhere, */
+    bool chosen;             /* unless places of that say where it lies */
 } picture_group;
 
 /* The step whose values set presets and windows: that of the first picture of this field. So

@@ -36,25 +36,15 @@ static status find_ground(const render_job *job, const char *path, leafcast_show
     return ST_OK;
 }
 
-/* Find the places of all groups that are tiles of the same ground as group i, the first of them. */
-static status lay_tiles(render_job *job, int i) {
-    const scene_tiles *tiles = job->groups[i].tiles;
-    const char *path = scene_tiles_ground(tiles);
+static status lay_tiles(const render_job *job, render_group *group) {
+    const char *path = scene_tiles_ground(group->tiles);
     leafcast_shown ground;
     mem outside;
     mem_init(&outside, 0);
-    render_places **of =
-        mem_array(&outside, (size_t)scene_tiles_count(tiles), sizeof(render_places *));
-    if (!of)
-        return ST_NOMEM;
-    for (int k = i; k < job->group_count; k++)
-        if (job->groups[k].tiles == tiles)
-            of[job->groups[k].tile] = &job->groups[k].places;
-    status st = path ? find_ground(job, path, &ground) : ST_OK;
-    if (st == ST_OK)
-        st = scene_tiles_place(tiles, &outside, path ? &ground : NULL, of);
-    mem_free(&outside, of);
-    return st;
+    const status st = path ? find_ground(job, path, &ground) : ST_OK;
+    return st == ST_OK ? scene_tiles_place(group->tiles, &outside, path ? &ground : NULL,
+                                           &group->places, &group->which)
+                       : st;
 }
 
 /* ---- Places ---- */
@@ -65,13 +55,14 @@ status render_groups_place(render_job *job) {
     if (!job->placed)
         return ST_NOMEM;
     for (int i = 0; i < job->group_count && st == ST_OK; i++) {
-        const render_group *g = &job->groups[i];
-        job->placed[i].parent = g->parent;
-        if (g->tiles && g->tile == 0)
-            st = lay_tiles(job, i);
+        render_group *g = &job->groups[i];
+        job->placed[i] = (picture_group){.parent = g->parent, .chosen = g->chosen};
+        if (g->tiles)
+            st = lay_tiles(job, g);
         if (st == ST_OK && g->places.count > 0)
-            st = render_status(leafcast_make_places(
-                job->volume, g->places.at, (uint32_t)g->places.count, &job->placed[i].places));
+            st = render_status(leafcast_make_places(job->volume, g->places.at, g->which,
+                                                    (uint32_t)g->places.count,
+                                                    &job->placed[i].places));
     }
     return st;
 }
@@ -89,14 +80,39 @@ static bool is_empty(const double box[2][3]) {
     return !(box[0][0] <= box[1][0]);
 }
 
-/* Widen a box by one that lies at these places. */
-static void widen_at(double box[2][3], const double own[2][3], const double *places, int count) {
-    for (int i = 0; i < count && !is_empty(own); i++) {
-        const placement place = placement_of(places ? places + 12 * (size_t)i : NULL);
-        double at[2][3];
-        placement_box(&place, own, at);
-        box3_widen(box, at[0], at[1]);
+/* Widen a box by one that lies at a place; NULL: in the same world. */
+static void widen_at(double box[2][3], const double own[2][3], const double *at) {
+    const placement place = placement_of(at);
+    double there[2][3];
+    if (is_empty(own))
+        return;
+    placement_box(&place, own, there);
+    box3_widen(box, there[0], there[1]);
+}
+
+static void box_in(const render_job *job, int group, double box[2][3]);
+
+/* Widen a box by what lies where the places of group k say so: the groups behind it. */
+static void widen_by_chosen(double box[2][3], const render_job *job, int k) {
+    const render_group *g = &job->groups[k];
+    double inside[SCENE_TILES_MAX][2][3];
+    for (int i = 0; i < scene_tiles_count(g->tiles); i++)
+        box_in(job, k + 2 + i, inside[i]);
+    for (int i = 0; i < g->places.count; i++)
+        widen_at(box, (const double(*)[3])inside[g->which[i]], g->places.at + 12 * (size_t)i);
+}
+
+/* Widen a box by group k at all its places. */
+static void widen_by(double box[2][3], const render_job *job, int k) {
+    const render_group *g = &job->groups[k];
+    double inside[2][3];
+    if (g->which) {
+        widen_by_chosen(box, job, k);
+        return;
     }
+    box_in(job, k + 1, inside);
+    for (int i = 0; i < g->places.count; i++)
+        widen_at(box, (const double(*)[3])inside, g->places.at + 12 * (size_t)i);
 }
 
 /* The box of what lies in a group, or with 0 in the scene itself. */
@@ -106,16 +122,11 @@ static void box_in(const render_job *job, int group, double box[2][3]) {
         const picture_volume *o = &job->objects[i];
         const leafcast_info info = leafcast_describe(o->volume);
         if (o->group == group)
-            widen_at(box, info.bounds, o->place, 1);
+            widen_at(box, info.bounds, o->place);
     }
-    for (int k = 0; k < job->group_count; k++) {
-        const render_group *g = &job->groups[k];
-        double inside[2][3];
-        if (g->parent != group || g->places.count == 0)
-            continue;
-        box_in(job, k + 1, inside);
-        widen_at(box, (const double(*)[3])inside, g->places.at, g->places.count);
-    }
+    for (int k = 0; k < job->group_count; k++)
+        if (job->groups[k].parent == group)
+            widen_by(box, job, k);
 }
 
 void render_groups_box(const render_job *job, double box[2][3]) {

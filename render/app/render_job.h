@@ -23,8 +23,9 @@ typedef struct render_places {
 typedef struct render_group {
     int parent; /* the group in which it lies, from 1 on; 0: none */
     render_places places;
-    const struct scene_tiles *tiles; /* what says where they are, once files are open; or NULL */
-    int tile;
+    const struct scene_tiles *tiles; /* by which these are found, once files are open; or NULL */
+    uint16_t *which;                 /* then: what lies at each */
+    bool chosen;                     /* has no places, but lies where that says so */
 } render_group;
 
 /* A volume that is drawn together with the first one. */

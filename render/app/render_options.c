@@ -179,8 +179,10 @@ void render_options_release(render_options *o) {
         mem_free(&m, o->also[i].places.at);
         mem_free(&m, o->also[i].allocated);
     }
-    for (int i = 0; i < o->group_count; i++)
+    for (int i = 0; i < o->group_count; i++) {
         mem_free(&m, o->groups[i].places.at);
+        mem_free(&m, o->groups[i].which);
+    }
     for (size_t i = 0; i < o->scene_path_count; i++)
         mem_free(&m, o->scene_paths[i]);
     scene_tiles_free(&m, o->scene_tiles);

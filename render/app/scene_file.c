@@ -126,7 +126,7 @@ static void release(scene_reading *r) {
         mem_free(&r->m, r->objects[i].places.at);
     }
     for (int i = 0; i < r->group_count; i++)
-        mem_free(&r->m, r->groups[i].places.at);
+        mem_free(&r->m, r->groups[i].places.at); /* there is no `which` yet */
     for (size_t i = 0; i < r->path_count; i++)
         mem_free(&r->m, r->paths[i]);
     scene_tiles_free(&r->m, r->tiles);

@@ -169,7 +169,7 @@ static status follow_all(scene_reading *r, const task *t, int object, render_pla
     return ST_OK;
 }
 
-/* Add a group, which takes the places, and put what lies in it into the queue. */
+/* Add a group, which takes the places, and put what lies in it into the queue; NULL: nothing. */
 static status add_group(scene_reading *r, queue *q, const render_group *group, const task *in_it) {
     status st =
         mem_grow(&r->m, &r->groups, sizeof *r->groups, (size_t)r->group_count, 4, &r->group_room);
@@ -180,6 +180,8 @@ static status add_group(scene_reading *r, queue *q, const render_group *group, c
         return st;
     }
     r->groups[r->group_count++] = *group;
+    if (!in_it)
+        return ST_OK;
     q->of[q->count] = *in_it;
     q->of[q->count].group = r->group_count;
     json_incref(q->of[q->count++].top);
@@ -315,7 +317,7 @@ static status read_nested(scene_reading *r, queue *q, const task *t, int i, json
     return st;
 }
 
-/* Read tiles: each is a group, whose places come once the ground is open. */
+/* Read tiles: a group, whose places come once the ground is open, and in it one of each. */
 static status read_tiles(scene_reading *r, queue *q, const task *t, int i, json_t *value) {
     char what[SCENE_WHAT_MAX];
     scene_tiles *tiles = NULL;
@@ -324,11 +326,14 @@ static status read_tiles(scene_reading *r, queue *q, const task *t, int i, json_
         return status_describe(ST_USAGE, "%s: \"tiles\" are of a scene that lies in no other",
                                what);
     status st = scene_tiles_read(r, value, what, &tiles);
+    if (st == ST_OK)
+        st = add_group(r, q, &(render_group){.tiles = tiles}, NULL);
+    const int all = r->group_count;
     for (int k = 0; st == ST_OK && k < scene_tiles_count(tiles); k++) {
         task in_it = {.top = NULL};
         st = load_scene(r, t, i, scene_tiles_scene(tiles, k), &in_it);
         if (st == ST_OK)
-            st = add_group(r, q, &(render_group){.tiles = tiles, .tile = k}, &in_it);
+            st = add_group(r, q, &(render_group){.parent = all, .chosen = true}, &in_it);
         json_decref(in_it.top);
     }
     return st;

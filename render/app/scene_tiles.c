@@ -9,8 +9,7 @@
 
 enum {
     CELLS_MAX = 1 << 24,
-    TILES_MAX = 256,
-    NAMES_MAX = 2 * TILES_MAX, /* of edges, on an axis */
+    NAMES_MAX = 2 * SCENE_TILES_MAX, /* of edges, on an axis */
     RAYS_AT_ONCE = 1 << 16
 };
 
@@ -120,7 +119,7 @@ static status read_all(scene_reading *r, json_t *value, const char *what, scene_
         if (!cli_options_listed(TILES_KEYS, key))
             return scene_unknown(what, key, TILES_KEYS, false);
     }
-    if (count == 0 || count > TILES_MAX)
+    if (count == 0 || count > SCENE_TILES_MAX)
         return wrong(what, "tiles", "an array of 1 to 256");
     t->what = mem_copy_text(&r->m, what);
     t->tile = mem_array(&r->m, count, sizeof *t->tile);
@@ -182,7 +181,7 @@ static uint64_t hash_of(uint64_t seed, uint32_t x, uint32_t y) {
 /* Returns the tile of a cell, between those before and below it; NULL: there is none. */
 static const tile *choose(const scene_tiles *t, uint32_t x, uint32_t y, const tile *before,
                           const tile *below) {
-    const tile *fit[TILES_MAX];
+    const tile *fit[SCENE_TILES_MAX];
     size_t count = 0;
     for (int k = 0; k < t->count; k++) {
         const tile *of = &t->tile[k];
@@ -272,44 +271,29 @@ static bool place_cell(const scene_tiles *t, uint32_t x, uint32_t y, const doubl
     return true;
 }
 
-/* List the places of all tiles, once it is known how many each has. */
-static status list_places(const scene_tiles *t, mem *m, const uint16_t tiles[], const double *z,
-                          render_places *const of[]) {
-    double place[12];
-    for (int fill = 0; fill < 2; fill++) {
-        for (int k = 0; k < t->count && fill; k++) {
-            of[k]->at = mem_array(m, (size_t)of[k]->count, 12 * sizeof *of[k]->at);
-            if (of[k]->count > 0 && !of[k]->at)
-                return ST_NOMEM;
-            of[k]->count = 0;
-        }
-        for (uint32_t y = 0; y < t->counts[1]; y++)
-            for (uint32_t x = 0; x < t->counts[0]; x++) {
-                render_places *to = of[tiles[(size_t)y * t->counts[0] + x]];
-                if (!place_cell(t, x, y, z, place))
-                    continue;
-                if (fill)
-                    memcpy(to->at + 12 * (size_t)to->count, place, sizeof place);
-                to->count++;
-            }
-    }
-    return ST_OK;
+/* List the places of tiles, and in place of `tiles` which lie there. */
+static void list_places(const scene_tiles *t, uint16_t tiles[], const double *z,
+                        render_places *places) {
+    for (uint32_t y = 0; y < t->counts[1]; y++)
+        for (uint32_t x = 0; x < t->counts[0]; x++)
+            if (place_cell(t, x, y, z, places->at + 12 * (size_t)places->count))
+                tiles[places->count++] = tiles[(size_t)y * t->counts[0] + x];
 }
 
 status scene_tiles_place(const scene_tiles *t, mem *m, const leafcast_shown *ground,
-                         render_places *const of[]) {
+                         render_places *places, uint16_t **which) {
     const size_t cells = (size_t)t->counts[0] * t->counts[1],
                  corners = ((size_t)t->counts[0] + 1) * ((size_t)t->counts[1] + 1);
-    uint16_t *tiles = mem_array(m, cells, sizeof *tiles);
     double *z = ground ? mem_array(m, corners, sizeof *z) : NULL;
-    status st = tiles && (z || !ground) ? ST_OK : ST_NOMEM;
+    *which = mem_array(m, cells, sizeof **which);
+    *places = (render_places){mem_array(m, cells, 12 * sizeof *places->at), 0};
+    status st = *which && places->at && (z || !ground) ? ST_OK : ST_NOMEM;
     if (st == ST_OK)
-        st = lay(t, tiles);
+        st = lay(t, *which);
     if (st == ST_OK && ground)
         st = find_ground(t, m, ground, z);
     if (st == ST_OK)
-        st = list_places(t, m, tiles, z, of);
+        list_places(t, *which, z, places);
     mem_free(m, z);
-    mem_free(m, tiles);
     return st;
 }

@@ -13,6 +13,8 @@
 
 typedef struct scene_tiles scene_tiles;
 
+enum { SCENE_TILES_MAX = 256 }; /* different ones */
+
 /* scene_tiles_read() - read an object with "tiles", what: its place. *out is kept by *r, too.
  * ST_USAGE. scene_tiles_free() - all that lie in a list. */
 CHECKED status scene_tiles_read(scene_reading *r, json_t *value, const char *what,
@@ -26,9 +28,9 @@ int scene_tiles_count(const scene_tiles *t);
 const char *scene_tiles_scene(const scene_tiles *t, int k);
 const char *scene_tiles_ground(const scene_tiles *t);
 
-/* scene_tiles_place() - find where each tile lies: of[k], empty before, are the places of tile k.
- * ground: what is shown of it, or NULL. ST_USAGE: no tile fits a cell. */
+/* scene_tiles_place() - find where tiles lie, and which: (*which)[i] at place i. Both are the
+ * caller's to free. ground: what is shown of it, or NULL. ST_USAGE: no tile fits a cell. */
 CHECKED status scene_tiles_place(const scene_tiles *t, mem *m, const leafcast_shown *ground,
-                                 render_places *const of[]);
+                                 render_places *places, uint16_t **which);
 
 #endif

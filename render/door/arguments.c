@@ -229,7 +229,7 @@ static const public_fields scene_experiments_table = PUBLIC_TABLE(
     leafcast_scene_experiments, scene_experiments_rows, .together = scene_experiments_together);
 
 static const public_field group_rows[] = {
-    PUBLIC_PLACE(leafcast_group, places, 0),
+    PUBLIC_PLACE(leafcast_group, places, PUBLIC_OR_NULL),
     PUBLIC_NUMBER(leafcast_group, volume_count, 0, LEAFCAST_VOLUMES_MAX, 0),
     {PUBLIC_MEMBER(leafcast_group, volumes), .type = PUBLIC_POINTER, .values = 1,
      .counted_by = "volume_count", .element = &shown_table},

@@ -9,6 +9,11 @@
 #include "render/door/leafcast_device.h"
 #include "render/ray/open_volume.h"
 
+static status too_many(void) {
+    return status_describe(ST_USAGE, "a scene with its groups has more than %u objects",
+                           (unsigned)OBJECTS_MOST);
+}
+
 /* ---- Places ---- */
 
 /* How far places go: bounds for all of them. */
@@ -20,9 +25,14 @@ struct leafcast_places {
     const leafcast_device *device;
     uint32_t count;
     placement *place;
+    uint16_t *which; /* NULL: all */
+    uint32_t kinds;  /* above all numbers in it; 1 where all is everywhere */
     extent most;
-    /* Over the places of a group with this box; empty, until a picture shows one. */
-    double box[2][3];
+    /* Over the places of what has these boxes, and so many objects; empty, until a picture shows
+     * that. */
+    double (*box)[2][3];
+    uint32_t *objects;
+    uint32_t *starts; /* object_group */
     object_tree tree;
     bool listed; /* scratch of scene_groups_check() */
 };
@@ -53,23 +63,42 @@ static bool is_possible(const extent *e) {
            e->uneven <= LEAFCAST_SCALE_UNEVEN / 3.0 && e->shift <= LEAFCAST_PLACE_MOST;
 }
 
-static status make_places(const leafcast_device *device, const double *places, uint32_t count,
-                          leafcast_places **out) {
+static void free_places(leafcast_places *p, mem *m) {
+    object_tree_release(&p->tree, m);
+    mem_free(m, p->starts);
+    mem_free(m, p->objects);
+    mem_free(m, p->box);
+    mem_free(m, p->which);
+    mem_free(m, p->place);
+    mem_free(m, p);
+}
+
+static status make_places(const leafcast_device *device, const double *places,
+                          const uint16_t *which, uint32_t count, leafcast_places **out) {
     mem outside;
     mem_init(&outside, 0);
     leafcast_places *p = mem_zalloc(&outside, sizeof *p);
-    placement *place = mem_array(&outside, count, sizeof *place);
-    if (!p || !place) {
-        mem_free(&outside, place);
-        mem_free(&outside, p);
+    if (!p)
+        return ST_NOMEM;
+    *p = (leafcast_places){
+        .device = device, .count = count, .kinds = 1, .most = {0.0, INFINITY, 0.0, 0.0}};
+    for (uint32_t i = 0; i < count && which; i++)
+        p->kinds = which[i] < p->kinds ? p->kinds : which[i] + 1u;
+    p->place = mem_array(&outside, count, sizeof *p->place);
+    p->which = which ? mem_array(&outside, count, sizeof *p->which) : NULL;
+    p->starts = which ? mem_array(&outside, (size_t)count + 1, sizeof *p->starts) : NULL;
+    p->box = mem_array(&outside, p->kinds, sizeof *p->box);
+    p->objects = mem_array(&outside, p->kinds, sizeof *p->objects);
+    if (!p->place || !p->box || !p->objects || (which && (!p->which || !p->starts))) {
+        free_places(p, &outside);
         return ST_NOMEM;
     }
-    *p = (leafcast_places){
-        .device = device, .count = count, .place = place, .most = {0.0, INFINITY, 0.0, 0.0}};
     for (uint32_t i = 0; i < count; i++) {
-        place[i] = placement_of(places + 12 * (size_t)i);
-        add_extent(&p->most, &place[i]);
+        p->place[i] = placement_of(places + 12 * (size_t)i);
+        add_extent(&p->most, &p->place[i]);
     }
+    if (which)
+        memcpy(p->which, which, count * sizeof *which);
     *out = p;
     return ST_OK;
 }
@@ -89,8 +118,8 @@ static status check_places(const double *places, uint32_t count) {
     return ST_OK;
 }
 
-leafcast_status leafcast_make_places(const leafcast *volume, const double *places, uint32_t count,
-                                     leafcast_places **out) {
+leafcast_status leafcast_make_places(const leafcast *volume, const double *places,
+                                     const uint16_t *which, uint32_t count, leafcast_places **out) {
     status st = public_needs(__func__, "volume places out", (const void *[]){volume, places, out});
     if (st != ST_OK)
         return public_status(st);
@@ -99,24 +128,44 @@ leafcast_status leafcast_make_places(const leafcast *volume, const double *place
     if (st == ST_OK)
         st = check_places(places, count);
     if (st == ST_OK)
-        st = make_places(volume->device, places, count, out);
+        st = make_places(volume->device, places, which, count, out);
     return public_status(st);
 }
 
 void leafcast_free_places(leafcast_places *places) {
     mem outside;
     mem_init(&outside, 0);
-    if (!places)
-        return;
-    object_tree_release(&places->tree, &outside);
-    mem_free(&outside, places->place);
-    mem_free(&outside, places);
+    if (places)
+        free_places(places, &outside);
 }
 
-/* Make the tree over places of a box, unless there is that one. */
-static status raise_places(leafcast_places *p, const double box[2][3]) {
+/* Whether there is the tree over places of what has these trees: their boxes and objects. */
+static bool is_raised(leafcast_places *p, const object_tree members[]) {
+    bool same = p->tree.entries > 0;
+    for (uint32_t k = 0; k < p->kinds; k++) {
+        same = same && p->objects[k] == members[k].objects &&
+               memcmp(p->box[k], members[k].nodes->box, sizeof *p->box) == 0;
+        p->objects[k] = members[k].objects;
+        memcpy(p->box[k], members[k].nodes->box, sizeof *p->box);
+    }
+    return same;
+}
+
+/* Count objects at places that have different ones. */
+static status count_objects(leafcast_places *p) {
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < p->count && count <= OBJECTS_MOST; i++) {
+        p->starts[i] = (uint32_t)count;
+        count += p->objects[p->which[i]];
+    }
+    p->starts[p->count] = (uint32_t)count;
+    return count <= OBJECTS_MOST ? ST_OK : too_many();
+}
+
+/* Make the tree over places, unless it is there. */
+static status raise_places(leafcast_places *p, const object_tree members[]) {
     mem outside;
-    if (p->tree.entries > 0 && memcmp(p->box, box, sizeof p->box) == 0)
+    if (is_raised(p, members))
         return ST_OK;
     mem_init(&outside, 0);
     object_tree_release(&p->tree, &outside);
@@ -124,9 +173,11 @@ static status raise_places(leafcast_places *p, const double box[2][3]) {
     if (!boxes)
         return ST_NOMEM;
     for (uint32_t i = 0; i < p->count; i++)
-        placement_box(&p->place[i], box, boxes[i]);
-    const status st = object_tree_make(&p->tree, &outside, (const double(*)[2][3])boxes, p->count);
-    memcpy(p->box, box, sizeof p->box);
+        placement_box(&p->place[i], (const double(*)[3])p->box[p->which ? p->which[i] : 0],
+                      boxes[i]);
+    status st = object_tree_make(&p->tree, &outside, (const double(*)[2][3])boxes, p->count);
+    if (st == ST_OK && p->which)
+        st = count_objects(p);
     if (st != ST_OK)
         object_tree_release(&p->tree, &outside);
     mem_free(&outside, boxes);
@@ -140,7 +191,6 @@ struct scene_group {
     const leafcast_group *of;
     int first; /* its first volume, */
     int child; /* and group, in the list */
-    object_tree members;
 };
 
 static status refuse(const char *what) {
@@ -181,9 +231,34 @@ static status check_member(const leafcast_shown *s, const extent *all) {
                            LEAFCAST_SCALE_MOST / 3.0, LEAFCAST_PLACE_MOST);
 }
 
-/* Check a group inside another; sets `listed` of its places. */
+/* Check where a group is; sets `listed` of its places. chosen: by places of what it lies in. */
+static status check_where(const leafcast *v, const leafcast_group *g, bool chosen) {
+    leafcast_places *p = g->places;
+    if (chosen && !p)
+        return ST_OK;
+    if (chosen)
+        return status_describe(ST_USAGE,
+                               "leafcast_group.places: a group that lies where places say "
+                               "so has none of its own");
+    if (!p)
+        return status_describe(ST_USAGE, "leafcast_group.places is NULL");
+    if (p->device != v->device)
+        return status_describe(ST_USAGE, "places of a group are of another device");
+    if (p->listed)
+        return status_describe(ST_USAGE, "two groups of a scene have the same leafcast_places: "
+                                         "make them twice");
+    p->listed = true;
+    if (!p->which || (g->volume_count == 0 && p->kinds <= (uint32_t)g->group_count))
+        return ST_OK;
+    return status_describe(ST_USAGE,
+                           "leafcast_group: its places name group %u of %d, and volumes would lie "
+                           "nowhere",
+                           p->kinds - 1, g->group_count);
+}
+
+/* Check a group inside another. chosen: as there. */
 static status check_group(const leafcast *v, const leafcast_group *g, const extent *outer,
-                          int depth, int *volumes) {
+                          bool chosen, int depth, int *volumes) {
     if (depth >= OBJECT_DEPTH)
         return status_describe(ST_USAGE,
                                "leafcast_scene.groups: groups lie in groups, %d deep: %d is "
@@ -192,18 +267,16 @@ static status check_group(const leafcast *v, const leafcast_group *g, const exte
     status st = arguments_check_group(g);
     if (st != ST_OK)
         return st;
-    if (g->places->device != v->device)
-        return status_describe(ST_USAGE, "places of a group are of another device");
-    if (g->places->listed)
-        return status_describe(ST_USAGE, "two groups of a scene have the same leafcast_places: "
-                                         "make them twice");
-    g->places->listed = true;
-    const extent all = within(outer, &g->places->most);
+    st = check_where(v, g, chosen);
+    if (st != ST_OK)
+        return st;
+    const extent all = g->places ? within(outer, &g->places->most) : *outer;
+    const bool choose = g->places && g->places->which;
     *volumes += g->volume_count;
     for (int i = 0; i < g->volume_count && st == ST_OK; i++)
         st = check_member(&g->volumes[i], &all);
     for (int i = 0; i < g->group_count && st == ST_OK; i++)
-        st = check_group(v, &g->groups[i], &all, depth + 1, volumes);
+        st = check_group(v, &g->groups[i], &all, choose, depth + 1, volumes);
     return st;
 }
 
@@ -222,7 +295,7 @@ status scene_groups_check(const leafcast *v, const leafcast_scene *scene) {
         return ST_OK;
     status st = check_picture(scene);
     for (int i = 0; i < scene->group_count && st == ST_OK; i++)
-        st = check_group(v, &scene->groups[i], &nothing_moved, 1, &volumes);
+        st = check_group(v, &scene->groups[i], &nothing_moved, false, 1, &volumes);
     unlist(scene->groups, scene->group_count, 1);
     if (st == ST_OK && volumes > LEAFCAST_VOLUMES_MAX)
         st = status_describe(ST_USAGE,
@@ -263,7 +336,8 @@ status scene_groups_list(scene_groups *g, mem *m, const leafcast_scene *scene) {
     g->media = mem_array(m, volumes, sizeof *g->media);
     g->groups = mem_array(m, groups, sizeof *g->groups);
     g->links = mem_array(m, groups, sizeof *g->links);
-    if (!g->shown || !g->media || !g->groups || !g->links)
+    g->members = mem_array(m, groups, sizeof *g->members);
+    if (!g->shown || !g->media || !g->groups || !g->links || !g->members)
         return ST_NOMEM;
     for (int i = 0; i < scene->volume_count; i++) {
         g->shown[i] = scene->volumes[i];
@@ -285,7 +359,8 @@ status scene_groups_list(scene_groups *g, mem *m, const leafcast_scene *scene) {
 
 void scene_groups_release(scene_groups *g, mem *m) {
     for (int i = 0; i < g->count; i++)
-        object_tree_release(&g->groups[i].members, m);
+        object_tree_release(&g->members[i], m);
+    mem_free(m, g->members);
     mem_free(m, g->links);
     mem_free(m, g->groups);
     mem_free(m, g->media);
@@ -313,22 +388,28 @@ static status make_tree(scene_groups *g, mem *m, const double (*boxes)[2][3], in
     t->volume = (uint32_t)first;
     t->groups = groups > 0 ? &g->links[child] : NULL;
     if (st == ST_OK && !object_tree_count(t, groups > 0 ? &g->links[child] : NULL))
-        st = status_describe(ST_USAGE, "a scene with its groups has more than %u objects",
-                             (unsigned)OBJECTS_MOST);
+        st = too_many();
     return st;
 }
 
-/* Make the trees of a group, once those of the groups in it are there. */
+/* Make the trees of a group, once those of the groups in it are there. Groups that lie in it where
+ * its places say so are reached by them, and by no tree. */
 static status make_group(scene_groups *g, mem *m, const double (*boxes)[2][3],
                          const placement *place, int i) {
-    struct scene_group *group = &g->groups[i];
-    leafcast_places *places = group->of->places;
-    status st = make_tree(g, m, boxes, group->first, group->of->volume_count, group->child,
-                          group->of->group_count, &group->members);
-    group->members.place = place + group->first;
-    if (st == ST_OK)
-        st = raise_places(places, (const double(*)[3])group->members.nodes->box);
-    g->links[i] = (object_group){&places->tree, places->place, &group->members, 0};
+    const struct scene_group *group = &g->groups[i];
+    leafcast_places *p = group->of->places;
+    const bool choose = p && p->which;
+    object_tree *members = choose ? &g->members[group->child] : &g->members[i];
+    status st = ST_OK;
+    if (!choose)
+        st = make_tree(g, m, boxes, group->first, group->of->volume_count, group->child,
+                       group->of->group_count, members);
+    if (!choose)
+        members->place = place + group->first;
+    if (st != ST_OK || !p)
+        return st;
+    st = raise_places(p, members);
+    g->links[i] = (object_group){&p->tree, p->place, p->which, p->starts, members, 0};
     return st;
 }
 

@@ -19,7 +19,8 @@ typedef struct scene_groups {
     int own;                /* groups of the scene itself, */
     int count;              /* and all groups, level by level: */
     struct scene_group *groups;
-    object_group *links; /* the same, as trees have them */
+    object_group *links;  /* the same, as trees have them, */
+    object_tree *members; /* and what is in each */
 } scene_groups;
 
 /* scene_groups_check() - whether a scene can be drawn with its groups. scene_groups_list() - list

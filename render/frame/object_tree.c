@@ -90,16 +90,21 @@ status object_tree_make(object_tree *t, mem *m, const double (*boxes)[2][3], uin
     return t->leaf ? ST_OK : ST_NOMEM;
 }
 
-/* How many objects a group has at all its places. */
-static uint64_t objects_of(const object_group *g) {
-    return (uint64_t)g->places->entries * g->members->objects;
+/* How many objects a group has at its places before this one. */
+static uint64_t objects_before(const object_group *g, uint32_t place) {
+    return g->which ? g->starts[place] : (uint64_t)place * g->members->objects;
+}
+
+/* What is at a place of a group. */
+static const object_tree *members_at(const object_group *g, uint32_t place) {
+    return &g->members[g->which ? g->which[place] : 0];
 }
 
 bool object_tree_count(object_tree *t, object_group *groups) {
     uint64_t count = t->singles;
     for (uint32_t i = 0; i < t->entries - t->singles && count <= OBJECTS_MOST; i++) {
         groups[i].first = (uint32_t)count;
-        count += objects_of(&groups[i]);
+        count += objects_before(&groups[i], groups[i].places->entries);
     }
     t->objects = count <= OBJECTS_MOST ? (uint32_t)count : 0;
     return t->objects > 0;
@@ -193,7 +198,7 @@ typedef struct level {
 static uint32_t first_of(const level *l, uint32_t entry) {
     const object_tree *t = l->boxes;
     if (l->places)
-        return l->first + entry * l->places->members->objects;
+        return l->first + (uint32_t)objects_before(l->places, entry);
     if (entry < t->singles)
         return l->first + entry;
     return l->first + (entry < t->entries ? t->groups[entry - t->singles].first : t->objects);
@@ -208,7 +213,7 @@ static const way *enter(const level *l, uint32_t entry, const way *w, level *nex
         *next = (level){g->places, g, first};
         return w;
     }
-    *next = (level){l->places->members, NULL, first};
+    *next = (level){members_at(l->places, entry), NULL, first};
     *own = way_at(w, &l->places->place[entry]);
     return own;
 }
@@ -265,21 +270,19 @@ bool object_tree_after(const object_tree *t, const object_ray *r, object_entry *
 
 /* The entry of a level that has an object. */
 static uint32_t entry_with(const level *l, uint32_t object) {
-    const object_tree *t = l->boxes;
-    const uint32_t number = object - l->first;
-    if (l->places)
-        return number / l->places->members->objects;
-    if (number < t->singles)
-        return number;
-    uint32_t low = 0, high = t->entries - t->singles;
+    uint32_t low = 0, high = l->boxes->entries;
+    if (l->places && !l->places->which)
+        return (object - l->first) / l->places->members->objects;
+    if (is_object(l, object - l->first))
+        return object - l->first;
     while (high - low > 1) {
         const uint32_t middle = low + (high - low) / 2;
-        if (t->groups[middle].first <= number)
+        if (first_of(l, middle) <= object)
             low = middle;
         else
             high = middle;
     }
-    return t->singles + low;
+    return low;
 }
 
 object_entry object_tree_entry(const object_tree *t, const object_ray *r, uint32_t object) {
@@ -354,7 +357,7 @@ static chain chain_to(const object_tree *t, uint32_t object) {
         }
         if (l.places) {
             c.of[c.count++] = &l.places->place[entry];
-            l = (level){l.places->members, NULL, first};
+            l = (level){members_at(l.places, entry), NULL, first};
         } else {
             const object_group *g = &l.boxes->groups[entry - l.boxes->singles];
             l = (level){g->places, g, first};

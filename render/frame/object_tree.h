@@ -40,6 +40,8 @@ typedef struct object_tree {
 typedef struct object_group {
     const object_tree *places; /* an entry each, as if an object; in the world of the tree above */
     const placement *place;    /* where each is */
+    const uint16_t *which;     /* of these members each has; NULL: the first ones */
+    const uint32_t *starts; /* with that: how many objects come before it; and the number of all */
     const object_tree *members;
     uint32_t first; /* its first object's number, in the tree above */
 } object_group;

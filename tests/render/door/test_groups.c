@@ -87,7 +87,7 @@ static void list_all(wood *w) {
 
 static leafcast_places *places_of(leafcast *v, const double *at, uint32_t count) {
     leafcast_places *made = NULL;
-    assert_int_equal(leafcast_make_places(v, at, count, &made), LEAFCAST_OK);
+    assert_int_equal(leafcast_make_places(v, at, NULL, count, &made), LEAFCAST_OK);
     return made;
 }
 
@@ -379,19 +379,19 @@ static void what_groups_cannot_have_is_told(void **state) {
     const leafcast_shown third = w.third[0];
     leafcast_places *more = NULL;
     w.third[0].place = huge;
-    assert_int_equal(leafcast_make_places(w.pair.volume[0], huge, 1, &more), LEAFCAST_OK);
+    assert_int_equal(leafcast_make_places(w.pair.volume[0], huge, NULL, 1, &more), LEAFCAST_OK);
     w.groups[1].places = more;
     check_refused(&w, &s, "may scale by more");
     leafcast_free_places(more);
     w.third[0] = third;
     w.groups[1].places = w.other;
     more = (leafcast_places *)&more;
-    assert_int_equal(leafcast_make_places(w.pair.volume[0], far, 1, &more), LEAFCAST_USAGE);
+    assert_int_equal(leafcast_make_places(w.pair.volume[0], far, NULL, 1, &more), LEAFCAST_USAGE);
     assert_null(more);
     static const double flat[24] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1};
-    assert_int_equal(leafcast_make_places(w.pair.volume[0], flat, 2, &more), LEAFCAST_USAGE);
+    assert_int_equal(leafcast_make_places(w.pair.volume[0], flat, NULL, 2, &more), LEAFCAST_USAGE);
     assert_non_null(strstr(leafcast_error_text(), "place 2 of 2"));
-    assert_int_equal(leafcast_make_places(w.pair.volume[0], flat, 0, &more), LEAFCAST_USAGE);
+    assert_int_equal(leafcast_make_places(w.pair.volume[0], flat, NULL, 0, &more), LEAFCAST_USAGE);
     /* Deeper than is possible. */
     leafcast_group chain[LEAFCAST_GROUPS_DEEP + 1];
     leafcast_places *at[LEAFCAST_GROUPS_DEEP + 1];
