@@ -11,6 +11,7 @@
 #include "formats/base/text.h"
 #include "prep/generate/curvilinear_generate.h"
 #include "prep/generate/generate.h"
+#include "prep/generate/plant_generate.h"
 #include "prep/generate/tet_generate.h"
 
 typedef struct arguments {
@@ -28,6 +29,9 @@ typedef struct arguments {
     uint32_t copies[3];
     double deform;
     uint32_t steps;
+    bool plant, shaped; /* FIELD is "plant"; shaped: --shape was given */
+    plant_shape growth;
+    uint32_t triangles; /* of a plant */
 } arguments;
 
 enum {
@@ -39,7 +43,8 @@ enum {
     KEY_CURVILINEAR,
     KEY_DEFORM,
     KEY_REPLICATE,
-    KEY_STEPS
+    KEY_STEPS,
+    KEY_SHAPE
 };
 enum { STEPS_MAX = 10000 };
 
@@ -47,7 +52,7 @@ static const struct argp_option options[] = {
     {"dims", KEY_DIMS, "N[,N,N]", CLI_BASIC, "samples per axis", 1},
     {"type", KEY_TYPE, "TYPE", CLI_BASIC, "u8 (default), u16 or f32", 1},
     {"seed", KEY_SEED, "S", CLI_BASIC,
-     "seed of noise, attractor, drop, jets and vortex (default 1)", 1},
+     "seed of noise, attractor, drop, jets, vortex and plants (default 1)", 1},
     {"spacing", KEY_SPACING, "S[,S,S]", CLI_BASIC, "distance of samples (default 1)", 1},
     {"steps", KEY_STEPS, "N", CLI_BASIC,
      "a series of N files: F_0000.nrrd, ..., or as %04d in -o says. drop, jets and vortex go from "
@@ -58,6 +63,8 @@ static const struct argp_option options[] = {
      "an "
      "axis, closed) or twisted (a box)",
      1},
+    {"shape", KEY_SHAPE, "SHAPE", CLI_BASIC,
+     "of a plant: conifer (default), broadleaf, bush or grass", 1},
     {NULL, 0, NULL, 0, "Meshes:", 2},
     {"tets", KEY_TETS, NULL, CLI_BASIC,
      "a mesh stream of tets, six to a cell of the samples' grid, with f32 values", 2},
@@ -111,6 +118,13 @@ static status set_shape(arguments *a, const char *text) {
                                  "--curvilinear: \"%s\" is none of warp, annulus, twisted", text);
 }
 
+static status set_growth(arguments *a, const char *text) {
+    a->shaped = true;
+    if (plant_shape_find(text, &a->growth))
+        return ST_OK;
+    return status_describe(ST_USAGE, "--shape: \"%s\" is none of %s", text, plant_shape_names());
+}
+
 static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
     switch (key) {
@@ -120,6 +134,7 @@ static status set_option(void *own, int key, const char *text) {
     case KEY_SPACING: a->spaced = true; return set_spacing(a, text);
     case KEY_TETS: a->tets = true; return ST_OK;
     case KEY_CURVILINEAR: return set_shape(a, text);
+    case KEY_SHAPE: return set_growth(a, text);
     case KEY_DEFORM: return set_deform(a, text);
     case KEY_REPLICATE: return set_counts(text, "--replicate", 1, TET_LATTICE_CELLS_MAX, a->copies);
     case KEY_STEPS: return cli_uint(text, "--steps", 1, STEPS_MAX, &a->steps);
@@ -130,8 +145,9 @@ static status set_option(void *own, int key, const char *text) {
 static status find_field(arguments *a) {
     if (!a->common.input)
         return ST_OK;
+    a->plant = strcmp(a->common.input, "plant") == 0;
     a->info = field_find(a->common.input);
-    if (a->info)
+    if (a->info || a->plant)
         return ST_OK;
     return status_describe(ST_USAGE, "no field \"%s\"; --help lists them", a->common.input);
 }
@@ -150,12 +166,27 @@ static status check_steps(const arguments *a) {
                            a->tets ? "; or --deform says how much the mesh moves" : "");
 }
 
+/* A plant has a shape and a seed. */
+static status check_plant(const arguments *a) {
+    if (!a->common.output)
+        return status_describe(ST_USAGE, "plant: -o is needed");
+    if (a->dims[0] || a->typed || a->spaced || a->tets || a->curved || a->copies[0] ||
+        a->deform > 0 || a->steps > 0)
+        return status_describe(ST_USAGE, "plant: it takes --shape and --seed, and nothing of "
+                                         "samples and meshes");
+    return ST_OK;
+}
+
 /* Refuse options that do not go together. */
 static status check(void *own) {
     arguments *a = own;
     status st = find_field(a);
     if (st != ST_OK)
         return st;
+    if (a->plant)
+        return check_plant(a);
+    if (a->shaped)
+        return status_describe(ST_USAGE, "--shape is of a plant");
     if (!a->info || !a->dims[0] || !a->common.output)
         return status_describe(ST_USAGE, "a FIELD, --dims and -o are needed");
     if (!a->tets && (a->deform > 0 || a->copies[0] > 0))
@@ -188,6 +219,8 @@ static const char *describe(void) {
     const field_info *info;
     for (size_t i = 0; (info = field_at(i)) != NULL; i++)
         text_add(text, sizeof text, "  %-15s %s\n", info->name, info->about);
+    text_add(text, sizeof text, "  %-15s %s\n", "plant",
+             "no field: a plant of triangles, to be placed in scenes");
     return text;
 }
 
@@ -205,7 +238,10 @@ static const output_kind *output(const void *own) {
     static const output_kind curved = {.what = "a curvilinear grid of VTK", .suffixes = ".vts "};
     static const output_kind curved_series = {
         .what = "curvilinear grids of VTK", .suffixes = ".vts ", .sequence = true};
+    static const output_kind plant = {.what = "a surface as PLY", .suffixes = ".ply "};
     const arguments *a = own;
+    if (a->plant)
+        return &plant;
     if (a->curved)
         return a->steps > 0 ? &curved_series : &curved;
     if (a->steps > 0)
@@ -220,7 +256,7 @@ static cli_verb verb = {
     .output = output,
     .input = "FIELD",
     .args_doc = "FIELD --dims N[,N,N] -o F.nrrd\nFIELD --tets --dims N[,N,N] -o F.mesh\n"
-                "FIELD --curvilinear SHAPE --dims N[,N,N] -o F.vts",
+                "FIELD --curvilinear SHAPE --dims N[,N,N] -o F.vts\nplant -o F.ply",
 };
 
 static grid make_grid(const arguments *a) {
@@ -268,7 +304,16 @@ static status run_grid(arguments *a, mem *m) {
     return generate_volume(m, &g, &how, cli_progress(&a->common));
 }
 
+static status run_plant(arguments *a, mem *m) {
+    return plant_generate(m, a->growth, (uint64_t)a->seed, a->common.output, a->common.force,
+                          &a->triangles);
+}
+
 static json_t *report_json(const arguments *a, double seconds) {
+    if (a->plant)
+        return json_pack("{s:s, s:s, s:s, s:I, s:I, s:f}", "output", a->common.output, "field",
+                         "plant", "kind", "triangles", "triangles", (json_int_t)a->triangles,
+                         "seed", (json_int_t)a->seed, "seconds", seconds);
     return json_pack("{s:s, s:s, s:s, s:[i,i,i], s:[f,f,f], s:s, s:I, s:f, s:I}", "output",
                      a->common.output, "field", a->info->name, "kind",
                      a->tets     ? "tets"
@@ -287,7 +332,10 @@ static status run(arguments *a) {
     mem m;
     mem_init(&m, a->common.memory);
     const double start = clock_seconds();
-    status st = a->tets ? run_tets(a, &m) : a->curved ? run_curved(a, &m) : run_grid(a, &m);
+    status st = a->plant    ? run_plant(a, &m)
+                : a->tets   ? run_tets(a, &m)
+                : a->curved ? run_curved(a, &m)
+                            : run_grid(a, &m);
     if (st == ST_OK && a->common.json)
         st = cli_print_json(&a->common, report_json(a, clock_seconds() - start));
     return st;

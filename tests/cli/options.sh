@@ -215,6 +215,7 @@ generate|--tets|output|gyroid --dims 9|--tets
 generate|--curvilinear|output|gyroid --dims 9|--curvilinear warp
 generate|--deform|output|gyroid --dims 9 --tets|--deform 0.3
 generate|--replicate|output|gyroid --dims 9 --tets|--replicate 2,1,1
+generate|--shape|output|plant -o @b.ply --force|--shape bush
 generate|--steps|makes w_0001.mesh|gyroid --dims 9 --tets --deform 0.3 -o @w.mesh|--steps 2
 generate|--output|makes q|gyroid --dims 9|--output @q
 generate|--quiet|fewer|gyroid --dims 9 -o @l.nrrd --force -v|--quiet
