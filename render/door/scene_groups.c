@@ -121,6 +121,8 @@ static status check_places(const double *places, uint32_t count) {
 leafcast_status leafcast_make_places(const leafcast *volume, const double *places,
                                      const uint16_t *which, uint32_t count, leafcast_places **out) {
     status st = public_needs(__func__, "volume places out", (const void *[]){volume, places, out});
+    if (st == ST_OK)
+        st = arguments_check_volume(__func__, volume);
     if (st != ST_OK)
         return public_status(st);
     *out = NULL;

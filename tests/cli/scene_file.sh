@@ -129,7 +129,7 @@ wrong '{"objects": [{"file": "grid.leaf", "transform": [{"degrees": 3}]}]}' 'a s
 wrong '{"objects": [{"file": "grid.leaf", "transform": [{"scale": 1, "degrees": 3}]}]}' '"degrees" is of "rotate"'
 wrong '{"objects": [{"file": "grid.leaf", "transform": [{"scale": 1, "translate": [1,2,3]}]}]}' 'are two steps'
 wrong '{"objects": [{"file": "grid.leaf", "transform": [{"turn": 1}]}]}' 'there is no "turn"'
-wrong '{"objects": [{"file": "grid.leaf", "instances": []}]}' 'objects[0].instances: an array of 1 to 4096'
+wrong '{"objects": [{"file": "grid.leaf", "instances": []}]}' 'objects[0].instances: an array of 1 to 16777216'
 wrong '{"objects": [{"file": "grid.leaf", "instances": [{"scale": 1}, {"scale": "x"}]}]}' 'objects[0].instances[1]: "scale" takes'
 wrong '{"objects": [{"file": "none.leaf"}]}' 'none.leaf' 1
 ok "nothing was written" [ ! -e "$tmp/x.ppm" ]
@@ -141,6 +141,8 @@ cat >"$tmp/keys.py" <<'P'
 import json, re, subprocess, sys
 leafcast, folder, page = sys.argv[1:]
 grid = {"file": "grid.leaf", "iso": 0.2}
+tile = {"scene": "one.json", "edges": ["a", "b", "a", "b"]}
+tiles = {"tiles": [tile], "counts": [2, 2], "size": [40, 40]}
 def render(scene):
     with open(folder + "/key.json", "w") as f:
         json.dump(scene, f)
@@ -157,6 +159,9 @@ places = {
     "picture": lambda k, v: {"objects": [grid], "size": [8, 8], k: v},
     "surface": lambda k, v: {"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, k: v}]}], "size": [8, 8]},
     "step": lambda k, v: {"objects": [dict(grid, transform={k: v})], "size": [8, 8]},
+    "scene": lambda k, v: {"objects": [dict({"scene": "one.json"}, **{k: v})], "size": [8, 8]},
+    "tiles": lambda k, v: {"objects": [dict(tiles, **{k: v})], "size": [8, 8]},
+    "tile": lambda k, v: {"objects": [dict(tiles, tiles=[dict(tile, **{k: v})])], "size": [8, 8]},
 }
 known = {p: set(own(make("no-such-key", 1))) for p, make in places.items()}
 for p in "object", "picture":
@@ -180,6 +185,10 @@ full = {
                 "homogeneous": None, "medium": None, "shade-medium": None, "legend": None, "annotate": None,
                 "title": "x", "unit": None},
     "surface": {"isovalue": 0.3, "colour": "red", "color": "red", "opacity": 0.5, "reflectivity": 0.3},
+    "scene": {"scene": "one.json", "transform": {"scale": 2}, "instances": [{"scale": 1}, {"scale": 2}]},
+    "tiles": {"tiles": [tile], "counts": [3, 1], "size": [9, 9], "origin": [1, 2, 3], "seed": 5, "ground": None,
+              "between": [-1, 1]},
+    "tile": tile,
     "step": {"translate": [1, 2, 3], "rotate": None, "degrees": None, "scale": 2, "matrix": [1,0,0,0,0,1,0,0,0,0,1,0]},
 }
 pairs = [  # those that need each other
@@ -220,6 +229,7 @@ code, err = render({"objects": [{"file": "grid.leaf", "opacity": "0.2:0.1,0.5:0.
                                 {"file": "grid.leaf", "colour-map": "viridis", "window": [0, 1]},
                                 {"file": "grid.leaf", "tf": "auto"}], "size": [8, 8]})
 drawn |= {"annotate", "unit"}  # they need a font
+drawn |= {"ground"}  # tests/cli/scene_groups.sh
 bad += [err] if code else []
 for p in full:
     bad += ["%s: \"%s\" is not drawn" % (p, k) for k, v in full[p].items() if v is None and k not in drawn]

@@ -34,6 +34,13 @@ static leafcast_status open_path(calls_lab *l) {
     return st;
 }
 
+static leafcast_status make_places(calls_lab *l) {
+    const leafcast_status st = leafcast_make_places(P(VOLUME), P(PLACES), NULL, 1, P(OUT));
+    if (st == LEAFCAST_OK)
+        leafcast_free_places(*(leafcast_places **)P(OUT));
+    return st;
+}
+
 static leafcast_status open_bytes(calls_lab *l) {
     const leafcast_status st = leafcast_open_memory(P(BYTES), l->many, P(OPTIONS), P(OUT));
     if (st == LEAFCAST_OK)
@@ -270,6 +277,8 @@ const public_call *public_calls(int *count) {
         {.name = "leafcast_error_text"},
         {.name = "leafcast_device_destroy"},
         {.name = "leafcast_close"},
+        {.name = "leafcast_free_places"},
+        {"leafcast_make_places", make_places, BIT(VOLUME) | BIT(PLACES) | BIT(OUT), 0, 0, NULL},
         {.name = "leafcast_surface_default"},
         {.name = "leafcast_field_name"},
         {.name = "leafcast_step_time"},
@@ -361,9 +370,13 @@ const public_fields *public_calls_table(const char *name) {
 
 static field sphere;
 
+static leafcast_places *places;
+static double place[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
 /* A scene of which every array has elements. */
 static leafcast_scene scene_of(leafcast *volume) {
-    static leafcast_shown shown[1];
+    static leafcast_shown shown[1], grouped[1];
+    static leafcast_group groups[1];
     static leafcast_surface surfaces[CALLS_SOME];
     static leafcast_transfer_point points[] = {{0.0, {1, 0, 0}, 0.0}, {1.0, {0, 1, 0}, 1.0}};
     static leafcast_medium media[1], colours;
@@ -391,8 +404,12 @@ static leafcast_scene scene_of(leafcast *volume) {
     scene.experiments = &experiments;
     scene.media = media;
     scene.media_count = 1;
-    scene.caps = true;
     scene.cap_colours = &colours;
+    grouped[0] = (leafcast_shown){.volume = volume, .surfaces = surfaces, .count = CALLS_SOME};
+    assert_int_equal(leafcast_make_places(volume, place, NULL, 1, &places), LEAFCAST_OK);
+    groups[0] = (leafcast_group){.places = places, .volumes = grouped, .volume_count = 1};
+    scene.groups = groups;
+    scene.group_count = 1;
     return scene;
 }
 
@@ -525,6 +542,7 @@ void public_calls_set_up(calls_lab *l) {
     l->p[CALLS_DONE] = &done;
     l->p[CALLS_BLOCKS] = blocks;
     l->p[CALLS_OUT] = &out;
+    l->p[CALLS_PLACES] = place;
     l->p[CALLS_TEXT] = (void *)scratch_path("sphere.nrrd");
     assert_true(field_write_nrrd(&sphere, l->p[CALLS_TEXT]));
     set_up_prep(l);
@@ -542,6 +560,7 @@ void public_calls_set_up(calls_lab *l) {
 
 void public_calls_tear_down(calls_lab *l) {
     leafcast_frame_end(P(FRAME));
+    leafcast_free_places(places);
     leafcast_close(P(LIVE));
     leafcast_close(P(MOVING));
     leafcast_close(P(VOLUME));

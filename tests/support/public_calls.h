@@ -33,6 +33,7 @@ typedef enum calls_slot {
     CALLS_PATH,      /* of a treelet file */
     CALLS_BYTES,     /* of one */
     CALLS_OUT,       /* pointers to what a call makes: a volume, a device, a frame */
+    CALLS_PLACES,    /* 12 numbers each */
     CALLS_VECTOR,    /* an origin, a point, a plane */
     CALLS_VECTOR2,   /* a direction */
     CALLS_NUMBERS,   /* isovalues, values of a slice */
