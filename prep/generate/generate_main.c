@@ -238,10 +238,10 @@ static const output_kind *output(const void *own) {
     static const output_kind curved = {.what = "a curvilinear grid of VTK", .suffixes = ".vts "};
     static const output_kind curved_series = {
         .what = "curvilinear grids of VTK", .suffixes = ".vts ", .sequence = true};
-    static const output_kind plant = {.what = "a surface as PLY", .suffixes = ".ply "};
+    static const output_kind surface = {.what = "a surface as PLY", .suffixes = ".ply "};
     const arguments *a = own;
     if (a->plant)
-        return &plant;
+        return &surface;
     if (a->curved)
         return a->steps > 0 ? &curved_series : &curved;
     if (a->steps > 0)

@@ -99,19 +99,12 @@ const char *plant_shape_names(void) {
 
 /* ---- Triangles ---- */
 
-typedef struct vertex {
-    float at[3];
-    uint8_t rgb[3];
-} vertex;
-
 typedef struct growing {
     mem *m;
     const shape_row *shape;
     uint64_t state; /* of the random numbers */
-    vertex *vertices;
-    size_t vertex_count, vertex_room;
-    uint32_t (*triangles)[3];
-    size_t triangle_count, triangle_room;
+    plant *of;
+    size_t vertex_room, colour_room, triangle_room;
     status st;
 } growing;
 
@@ -128,26 +121,29 @@ static double around(growing *g, double value, double share) {
 }
 
 static uint32_t add_vertex(growing *g, const double at[3], const uint8_t rgb[3], double light) {
+    plant *p = g->of;
+    const uint32_t i = p->vertex_count;
     if (g->st == ST_OK)
-        g->st = mem_grow(g->m, &g->vertices, sizeof *g->vertices, g->vertex_count, 1024,
-                         &g->vertex_room);
+        g->st = mem_grow(g->m, &p->vertices, sizeof *p->vertices, i, 1024, &g->vertex_room);
+    if (g->st == ST_OK)
+        g->st = mem_grow(g->m, &p->rgb, sizeof *p->rgb, i, 1024, &g->colour_room);
     if (g->st != ST_OK)
         return 0;
-    vertex *v = &g->vertices[g->vertex_count];
     for (int a = 0; a < 3; a++) {
-        v->at[a] = (float)at[a];
-        v->rgb[a] = (uint8_t)fmin(255.0, rgb[a] * light);
+        p->vertices[i][a] = (float)at[a];
+        p->rgb[i][a] = (uint8_t)fmin(255.0, rgb[a] * light);
     }
-    return (uint32_t)g->vertex_count++;
+    return p->vertex_count++;
 }
 
 static void add_triangle(growing *g, uint32_t a, uint32_t b, uint32_t c) {
+    plant *p = g->of;
     if (g->st == ST_OK)
-        g->st = mem_grow(g->m, &g->triangles, sizeof *g->triangles, g->triangle_count, 1024,
+        g->st = mem_grow(g->m, &p->triangles, sizeof *p->triangles, p->triangle_count, 1024,
                          &g->triangle_room);
     if (g->st != ST_OK)
         return;
-    uint32_t *t = g->triangles[g->triangle_count++];
+    uint32_t *t = p->triangles[p->triangle_count++];
     t[0] = a;
     t[1] = b;
     t[2] = c;
@@ -327,7 +323,7 @@ static void grow_stem(growing *g, pose p, int level, double length, double radiu
     }
 }
 
-static void grow(growing *g) {
+static void grow_all(growing *g) {
     const shape_row *s = g->shape;
     const double root = s->thick > 0.0 ? 0.04 * s->height : 0.02 * s->height;
     for (int i = 0; i < s->stems; i++) {
@@ -345,6 +341,22 @@ static void grow(growing *g) {
     }
 }
 
+status plant_grow(mem *m, plant_shape shape, uint64_t seed, plant *out) {
+    growing g = {.m = m, .shape = &shapes[shape], .state = seed, .of = out, .st = ST_OK};
+    *out = (plant){NULL};
+    grow_all(&g);
+    if (g.st != ST_OK)
+        plant_release(m, out);
+    return g.st;
+}
+
+void plant_release(mem *m, plant *p) {
+    mem_free(m, p->triangles);
+    mem_free(m, p->rgb);
+    mem_free(m, p->vertices);
+    *p = (plant){NULL};
+}
+
 /* ---- Writing ---- */
 
 static void put_little(unsigned char to[4], uint32_t word) {
@@ -352,14 +364,14 @@ static void put_little(unsigned char to[4], uint32_t word) {
         to[i] = (unsigned char)(word >> 8 * i);
 }
 
-static status write_vertex(out_stream *out, const vertex *v) {
+static status write_vertex(out_stream *out, const plant *p, uint32_t i) {
     unsigned char bytes[15];
     for (int a = 0; a < 3; a++) {
         uint32_t word;
-        memcpy(&word, &v->at[a], sizeof word);
+        memcpy(&word, &p->vertices[i][a], sizeof word);
         put_little(bytes + 4 * a, word);
     }
-    memcpy(bytes + 12, v->rgb, 3);
+    memcpy(bytes + 12, p->rgb[i], 3);
     return out_stream_write(out, bytes, sizeof bytes);
 }
 
@@ -370,40 +382,37 @@ static status write_triangle(out_stream *out, const uint32_t t[3]) {
     return out_stream_write(out, bytes, sizeof bytes);
 }
 
-static status write_all(const growing *g, out_stream *out) {
+static status write_all(const plant *p, const char *name, out_stream *out) {
     char head[512];
     snprintf(head, sizeof head,
              "ply\nformat binary_little_endian 1.0\ncomment a %s of leafcast\n"
-             "element vertex %zu\nproperty float x\nproperty float y\n"
-             "property float z\nproperty uchar red\nproperty uchar green\n"
-             "property uchar blue\nelement face %zu\n"
+             "element vertex %u\nproperty float x\nproperty float y\nproperty float z\n"
+             "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face %u\n"
              "property list uchar int vertex_indices\nend_header\n",
-             g->shape->name, g->vertex_count, g->triangle_count);
+             name, p->vertex_count, p->triangle_count);
     status st = out_stream_text(out, head);
-    for (size_t i = 0; i < g->vertex_count && st == ST_OK; i++)
-        st = write_vertex(out, &g->vertices[i]);
-    for (size_t i = 0; i < g->triangle_count && st == ST_OK; i++)
-        st = write_triangle(out, g->triangles[i]);
+    for (uint32_t i = 0; i < p->vertex_count && st == ST_OK; i++)
+        st = write_vertex(out, p, i);
+    for (uint32_t i = 0; i < p->triangle_count && st == ST_OK; i++)
+        st = write_triangle(out, p->triangles[i]);
     return st;
 }
 
 status plant_generate(mem *m, plant_shape shape, uint64_t seed, const char *output, bool force,
                       uint32_t *triangles) {
-    growing g = {.m = m, .shape = &shapes[shape], .state = seed, .st = ST_OK};
+    plant p;
     out_stream *out = NULL;
-    grow(&g);
-    *triangles = (uint32_t)g.triangle_count;
-    status st = g.st;
+    status st = plant_grow(m, shape, seed, &p);
+    *triangles = p.triangle_count;
     if (st == ST_OK)
         st = out_stream_create(m, output, force, false, &out);
     if (st == ST_OK)
-        st = write_all(&g, out);
+        st = write_all(&p, shapes[shape].name, out);
     if (st == ST_OK) {
         st = out_stream_commit(out);
         out = NULL;
     }
     out_stream_discard(out);
-    mem_free(m, g.triangles);
-    mem_free(m, g.vertices);
+    plant_release(m, &p);
     return st;
 }

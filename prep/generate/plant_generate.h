@@ -21,6 +21,17 @@ typedef enum plant_shape { PLANT_CONIFER, PLANT_BROADLEAF, PLANT_BUSH, PLANT_GRA
 bool plant_shape_find(const char *name, plant_shape *shape);
 const char *plant_shape_names(void);
 
+typedef struct plant {
+    float (*vertices)[3];
+    uint8_t (*rgb)[3]; /* of each */
+    uint32_t (*triangles)[3];
+    uint32_t vertex_count, triangle_count;
+} plant;
+
+/* plant_grow() - make a plant, which is the caller's to plant_release(). ST_NOMEM. */
+CHECKED status plant_grow(mem *m, plant_shape shape, uint64_t seed, plant *out);
+void plant_release(mem *m, plant *p);
+
 /* plant_generate() - write a plant as PLY, of vertices with colours, and say how many triangles it
  * has. */
 CHECKED status plant_generate(mem *m, plant_shape shape, uint64_t seed, const char *output,

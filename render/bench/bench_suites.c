@@ -19,6 +19,7 @@
 #include "render/bench/bench_plucker.h"
 #include "render/bench/bench_projections.h"
 #include "render/bench/bench_streaming.h"
+#include "render/bench/bench_terrain.h"
 #include "render/bench/bench_threads.h"
 #include "render/bench/bench_time.h"
 #include "render/bench/bench_time4d.h"
@@ -425,6 +426,14 @@ static const bench_suite SUITES[] = {
      .view = "size",
      .labels = 4,
      .charts = {{"ms", "+-", false}, {"refit ms", NULL, true}, {"nodes/ray", NULL, true}}},
+    {.name = "terrain",
+     .takes = "",
+     .about = "a wood of tiles on hills, up to 10^12 triangles (M08 5.2.3,\ntable 5.7)",
+     .run = bench_terrain,
+     .view = "size",
+     .budget = true,
+     .labels = 1,
+     .charts = {{"ms", "+-", false}, {"asked/ray", NULL, true}}},
     {.name = "lanes",
      .takes = "[F.leaf --iso V]",
      .about = "how full the vectors of tiles are, stage by stage",

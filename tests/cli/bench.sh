@@ -157,6 +157,10 @@ ok "dynamic: a walk keeps neighbours together, an explosion does not" csv "$tmp/
          if a["scene"] == b["scene"] == "walker" and a["tree"] == b["tree"] == "boxes/rays" and (a["state"], b["state"]) == ("moved", "anew")) and
      all(float(a["nodes/ray"]) > 2 * float(b["nodes/ray"]) for a in t for b in t
          if a["scene"] == b["scene"] == "explosion" and a["tree"] == b["tree"] != "boxes/tiles" and (a["state"], b["state"]) == ("moved", "anew"))'
+ok "terrain: a wood that grows, whose rays ask few objects, and the same hits" csv "$tmp/all/terrain.csv" \
+    'len(t) == 4 and all(r["differ"] == "0" and int(r["hits"]) > 500 and float(r["asked/ray"]) < 40 for r in t) and
+     [int(r["objects"]) > 1000 * 4 * 16 ** 0 * 4 ** i for i, r in enumerate(t)] == [True] * 4'
+exits "terrain takes no file" 2 "$leafcast" bench terrain "$leaf"
 exits "dynamic takes no file" 2 "$leafcast" bench dynamic "$leaf" --iso 128
 judge_time4d() { # judge_time4d FILE SERIES
     ok "time4d: every order finds the same, and something" csv "$1" \
