@@ -113,8 +113,8 @@ static bool ask_for_shadow(const frame *f, surface_ray *p, const lit_surface *s,
         p->head.volume = frame_volume(f, *object, &place);
         q->tracer = &f->tracer[p->head.volume];
         q->state = &p->search.state;
-        if (!tracer_ray_at(q->tracer, frame_grouped(f, *object) ? &place : &q->tracer->place, s->at,
-                           way->to, 0.0, way->distance, &q->ray))
+        const placement *where = frame_grouped(f, *object) ? &place : &q->tracer->place;
+        if (!tracer_ray_at(q->tracer, where, s->at, way->to, 0.0, way->distance, &q->ray))
             continue;
         if (!p->search.searching) {
             p->search.state = lit_search(f, s, *object, way->to);
