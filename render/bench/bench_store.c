@@ -28,7 +28,7 @@ typedef struct bench_volume {
     const char *data; /* raw samples in the data folder, FILE or FILE.zst; NULL: generated */
     double data_isovalue;
     /* Of generate; where the data is absent, too. type: of samples, tets, or the flag that makes a
-     * curvilinear grid. */
+     * curvilinear grid, or with 0 samples a plant. */
     const char *field, *type;
     uint32_t side; /* samples an axis of the generated field */
     double field_isovalue;
@@ -250,20 +250,21 @@ static status generate(const bench_store *s, const bench_volume *v, const char *
     return st;
 }
 
-static bool is_curvilinear(const bench_volume *v) {
+static bool goes_by_file(const bench_volume *v) {
     return v->type[0] == '-';
 }
 
-/* By way of a file in our folder: convert reads such a grid from no pipe. */
-static status generate_curvilinear(const bench_store *s, const bench_volume *v, const char *codec,
-                                   const char *leaf) {
+/* By way of a file in our folder: convert reads such a grid, or a surface, from no pipe. */
+static status generate_by_file(const bench_store *s, const bench_volume *v, const char *codec,
+                               const char *leaf) {
     char side[NUMBER], path[1][PATH_MAX];
     const steps one = {.path = path, .count = 1, .in = -1};
     pid_t pid;
     snprintf(side, sizeof side, "%u", v->side);
-    snprintf(path[0], PATH_MAX, "%.3000s/%s.vts", s->folder, v->name);
-    const char *const all[] = {GENERATE, v->field, v->type, "--dims",  side,
-                               "-o",     path[0],  "-q",    "--force", NULL};
+    snprintf(path[0], PATH_MAX, "%.3000s/%s.%s", s->folder, v->name, v->side ? "vts" : "ply");
+    const char *const all[] = {GENERATE, v->field, v->type,   "-o",
+                               path[0],  "-q",     "--force", v->side ? "--dims" : NULL,
+                               side,     NULL};
     status st = start(GENERATE, (char *const *)all, -1, -1, &pid);
     if (st == ST_OK)
         st = await(GENERATE, pid);
@@ -394,6 +395,10 @@ static const bench_volume VOLUMES[] = {
     {"hexes-annulus-12", NULL, 0, "sphere", "--curvilinear=annulus", 12, 0.6, 0, 0, NULL},
     {"hexes-warp-40", NULL, 0, "buckyball", "--curvilinear=warp", 40, 0.3, 0, 0, NULL},
     {"hexes-annulus-40", NULL, 0, "buckyball", "--curvilinear=annulus", 40, 0.3, 0, 0, NULL},
+    {"conifer", NULL, 0, "plant", "--shape=conifer", 0, 0, 0, 0, NULL},
+    {"broadleaf", NULL, 0, "plant", "--shape=broadleaf", 0, 0, 0, 0, NULL},
+    {"bush", NULL, 0, "plant", "--shape=bush", 0, 0, 0, 0, NULL},
+    {"grass", NULL, 0, "plant", "--shape=grass", 0, 0, 0, 0, NULL},
     {"drop-64", NULL, 0, "drop", "u8", 64, 127.5, 0, 5, NULL},
     {"jets-64", NULL, 0, "jets", "u8", 64, 160.3, 0, 5, NULL},
     {"vortex-64", NULL, 0, "vortex", "u8", 64, 85, 0, 5, NULL},
@@ -441,7 +446,7 @@ static const char *keep(bench_store *s, const bench_volume *v, bool data, const 
     if (v->steps > 0)
         snprintf(path, PATH_MAX, "%.3000s/%s-%s-%s%s", s->folder, v->name, data ? "data" : v->field,
                  "steps", suffix);
-    else if (data || is_curvilinear(v))
+    else if (data || goes_by_file(v))
         snprintf(path, PATH_MAX, "%.3000s/%s%s", s->folder, v->name, suffix);
     else if (v->copies > 1)
         snprintf(path, PATH_MAX, "%.3000s/%s-tets-%ux%u%s", s->folder, v->field, v->copies, v->side,
@@ -553,9 +558,9 @@ static status get(bench_store *s, const char *name, const char *codec, const cha
     if (v->steps > 0)
         st = get_series(s, v, data ? &found : NULL, packed, codec, out->path);
     else if (access(out->path, R_OK) != 0)
-        st = data                ? convert_data(s, v, from, packed, codec, out->path)
-             : is_curvilinear(v) ? generate_curvilinear(s, v, codec, out->path)
-                                 : generate(s, v, codec, out->path);
+        st = data              ? convert_data(s, v, from, packed, codec, out->path)
+             : goes_by_file(v) ? generate_by_file(s, v, codec, out->path)
+                               : generate(s, v, codec, out->path);
     globfree(&found);
     return st;
 }

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
-#include "prep/generate/plant_generate.h"
 #include "render/leafcast_dynamic.h"
 
 /* Columns, in the order of add_row():
@@ -18,24 +17,22 @@
 const char bench_terrain_headings[] =
     "tiles|objects|triangles|make s|ms|+-|x first|fps|rays|asked/ray|hits|differ";
 
-enum { KINDS = 4, SEEDS = 2, PLANTS = KINDS * SEEDS, VARIANTS = 18, CELLS = 512 };
+enum { PLANTS = 4, VARIANTS = 18, CELLS = 512 };
 
 /* A tile is a square of 160 m^2. So many of each kind stand on it, on a grid that is shaken. */
 static const double SIDE = 12.65;
 static const struct {
-    plant_shape shape;
-    int across;  /* so many squared */
-    double size; /* of its own */
-} kinds[KINDS] = {{PLANT_CONIFER, 3, 1.0},
-                  {PLANT_BROADLEAF, 2, 1.0},
-                  {PLANT_BUSH, 5, 1.0},
-                  {PLANT_GRASS, 48, 0.6}};
+    const char *name; /* in the store */
+    int across;       /* so many squared */
+    double size;      /* of its own */
+} plants[PLANTS] = {
+    {"conifer", 3, 1.0}, {"broadleaf", 2, 1.0}, {"bush", 5, 1.0}, {"grass", 48, 0.6}};
 
 typedef struct landscape {
     bench_job *job;
     leafcast_device *device;
     leafcast *plant[PLANTS], *ground;
-    uint32_t triangles[PLANTS], ground_triangles;
+    uint64_t triangles[PLANTS], ground_triangles;
     leafcast_shown shown[VARIANTS][PLANTS], floor;
     leafcast_places *standing[VARIANTS][PLANTS], *tiles;
     leafcast_group inside[VARIANTS][PLANTS], variant[VARIANTS], wood;
@@ -54,26 +51,16 @@ static double chance(landscape *l) {
 
 /* ---- Surfaces ---- */
 
-static status open_surface(landscape *l, const leafcast_triangles *of, leafcast **out) {
-    const leafcast_options o = {.size = sizeof o, .device = l->device};
-    return (status)leafcast_open_triangles(of, &o, out);
-}
-
 static status open_plants(landscape *l) {
+    const leafcast_options o = {.size = sizeof o, .device = l->device};
     status st = ST_OK;
     for (int i = 0; i < PLANTS && st == ST_OK; i++) {
-        plant p;
-        st = plant_grow(&l->job->m, kinds[i / SEEDS].shape, (uint64_t)i + 1, &p);
-        if (st != ST_OK)
-            return st;
-        const leafcast_triangles of = {.size = sizeof of,
-                                       .vertex_count = p.vertex_count,
-                                       .triangle_count = p.triangle_count,
-                                       .vertices = (const float(*)[3])p.vertices,
-                                       .triangles = (const uint32_t(*)[3])p.triangles};
-        l->triangles[i] = p.triangle_count;
-        st = open_surface(l, &of, &l->plant[i]);
-        plant_release(&l->job->m, &p);
+        bench_stored of;
+        st = bench_store_get(l->job->store, plants[i].name, &of);
+        if (st == ST_OK)
+            st = (status)leafcast_open(of.path, &o, &l->plant[i]);
+        if (st == ST_OK)
+            l->triangles[i] = leafcast_describe(l->plant[i]).cells;
     }
     return st;
 }
@@ -114,8 +101,9 @@ static status open_ground(landscape *l, int cells) {
                                        .triangle_count = 2 * (row - 1) * (row - 1),
                                        .vertices = (const float(*)[3])vertices,
                                        .triangles = (const uint32_t(*)[3])triangles};
+        const leafcast_options o = {.size = sizeof o, .device = l->device};
         l->ground_triangles = of.triangle_count;
-        st = open_surface(l, &of, &l->ground);
+        st = (status)leafcast_open_triangles(&of, &o, &l->ground);
     }
     mem_free(m, triangles);
     mem_free(m, vertices);
@@ -126,19 +114,17 @@ static status open_ground(landscape *l, int cells) {
 
 /* Let plants of a sort stand on a tile: turned, and of different sizes. */
 static status plant_tile(landscape *l, int variant, int sort) {
-    const int across = kinds[sort / SEEDS].across, all = across * across;
-    const int count = all / SEEDS + (sort % SEEDS < all % SEEDS);
+    const int across = plants[sort].across, count = across * across;
     const double step = SIDE / across;
     double(*at)[12] = mem_array(&l->job->m, (size_t)count, sizeof *at);
     if (!at)
         return ST_NOMEM;
     for (int i = 0; i < count; i++) {
-        const int cell = SEEDS * i + sort % SEEDS;
         const double turn = 6.283185307179586 * chance(l),
-                     size = kinds[sort / SEEDS].size * (0.6 + 0.7 * chance(l)),
-                     c = size * cos(turn), s = size * sin(turn);
-        const double place[12] = {c,   -s,  0.0,  (cell % across + chance(l)) * step,
-                                  s,   c,   0.0,  (cell / across + chance(l)) * step,
+                     size = plants[sort].size * (0.6 + 0.7 * chance(l)), c = size * cos(turn),
+                     s = size * sin(turn);
+        const double place[12] = {c,   -s,  0.0,  (i % across + chance(l)) * step,
+                                  s,   c,   0.0,  (i / across + chance(l)) * step,
                                   0.0, 0.0, size, 0.0};
         memcpy(at[i], place, sizeof place);
     }

@@ -23,6 +23,37 @@ exits "one number for three spacings, negative" 0 "$leafcast" generate sphere --
 ok "is taken" grep -aq '^space directions: (-2,0,0) (0,-2,0) (0,0,-2)$' "$tmp/out"
 rm -f "$out"
 
+# Plants: triangles with colours, upright; the same seed grows the same plant.
+for shape in conifer broadleaf bush grass; do
+    exits "a plant: $shape" 0 "$leafcast" generate plant --shape $shape --json -o "$tmp/$shape.ply"
+    ok "of thousands of triangles" python3 - "$tmp/out" "$tmp/$shape.ply" <<'P'
+import json, struct, sys
+told, ply = json.load(open(sys.argv[1])), open(sys.argv[2], "rb").read()
+head, body = ply.split(b"end_header\n", 1)
+counts = [int(l.split()[2]) for l in head.decode().split("\n") if l.startswith("element")]
+assert told["kind"] == "triangles" and told["triangles"] == counts[1] > 1000
+at = [struct.unpack_from("<3f3B", body, 15 * i) for i in range(counts[0])]
+rows = [struct.unpack_from("<B3i", body, 15 * counts[0] + 13 * i) for i in range(counts[1])]
+assert len(body) == 15 * counts[0] + 13 * counts[1]
+assert all(r[0] == 3 and 0 <= min(r[1:]) and max(r[1:]) < counts[0] for r in rows)
+z = [p[2] for p in at]
+assert -3 < min(z) < 0 < 0.3 < max(z) < 20
+assert max(p[4] for p in at) > 100  # some green
+P
+    exits "is a surface" 0 "$leafcast" convert "$tmp/$shape.ply" -o "$tmp/$shape.leaf" -q
+done
+run "$leafcast" generate plant --shape bush -o - -q
+ok "the same bytes each time" cmp "$tmp/out" "$tmp/bush.ply"
+run "$leafcast" generate plant --shape bush --seed 2 -o "$tmp/other.ply" -q
+ok "another seed, another plant" sh -c "! cmp -s '$tmp/other.ply' '$tmp/bush.ply'"
+for wrong in "--shape oak" "--dims 9" "--tets" "--steps 3"; do
+    # shellcheck disable=SC2086 # split on purpose
+    exits "a plant with $wrong" 2 "$leafcast" generate plant $wrong -o "$tmp/x.ply"
+done
+exits "a shape of no plant" 2 "$leafcast" generate sphere --dims 9 --shape bush -o "$out"
+ok "is refused" says '--shape is of a plant' err
+ok "nothing was written" [ ! -e "$tmp/x.ply" ]
+
 # Series: every file is that of its time, the same by any threads and memory; convert takes them.
 exits "a series" 0 "$leafcast" generate drop --dims 64 --steps 3 -o "$tmp/s.nrrd" --json
 ok "of three files" left 3
