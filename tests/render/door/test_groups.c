@@ -268,6 +268,61 @@ static void rays_tell_the_object(void **state) {
     wood_close(&w);
 }
 
+/* At four places one of two groups lies: of the first the mesh, of the second the grid and, at
+ * three places in it, the mesh. */
+static void places_say_which_group_lies_there(void **state) {
+    static picture truth, other;
+    static const uint16_t which[4] = {1, 0, 1, 0};
+    const leafcast_camera view = view_of_wood();
+    leafcast_ray rays[512];
+    leafcast_ray_hit want[512], hits[512];
+    int count = 0, met_any = 0;
+    wood w;
+    wood_open(&w, *state, NULL, 0);
+    leafcast *v = w.pair.volume[0];
+    leafcast_places *chosen = NULL;
+    assert_int_equal(leafcast_make_places(v, OUTER[0], which, 4, &chosen), LEAFCAST_OK);
+    const leafcast_group inside = {w.middle, w.third, 1, NULL, 0};
+    const leafcast_group either[2] = {{NULL, w.third, 1, NULL, 0}, {NULL, w.first, 1, &inside, 1}};
+    const leafcast_group all = {chosen, NULL, 0, either, 2};
+    w.grouped.groups = &all;
+    w.grouped.group_count = 1;
+    for (int i = 0; i < 2; i++)
+        list(&w, &count, &w.own[i], i, NULL, NULL);
+    for (int o = 0; o < 4; o++) {
+        if (which[o])
+            list(&w, &count, &w.first[0], 3, NULL, OUTER[o]);
+        for (int m = 0; m < 3 && which[o]; m++)
+            list(&w, &count, &w.third[0], 4, MIDDLE[m], OUTER[o]);
+        if (!which[o])
+            list(&w, &count, &w.third[0], 2, NULL, OUTER[o]);
+    }
+    w.listed.volume_count = count;
+    pictures_draw(v, &w.listed, &view, &truth, NULL);
+    pictures_draw(v, &w.grouped, &view, &other, NULL);
+    memcpy(truth.id, other.id, sizeof truth.id); /* rays tell below */
+    scene_stage_same(&truth, &other);
+    for (int i = 0; i < 512; i++) {
+        const int at = i * (PICTURE_PIXELS / 512);
+        rays[i] = (leafcast_ray){.t1 = INFINITY};
+        leafcast_pixel_ray(&view, at % PICTURE_WIDTH + 0.5, at / PICTURE_WIDTH + 0.5,
+                           rays[i].origin, rays[i].direction);
+    }
+    assert_int_equal(leafcast_trace_rays(v, &w.listed, rays, 512, want), LEAFCAST_OK);
+    assert_int_equal(leafcast_trace_rays(v, &w.grouped, rays, 512, hits), LEAFCAST_OK);
+    for (int i = 0; i < 512; i++) {
+        assert_int_equal(want[i].volume < 0, hits[i].volume < 0);
+        if (want[i].volume < 0)
+            continue;
+        assert_int_equal(hits[i].object, want[i].volume);
+        assert_int_equal(hits[i].volume, w.volume[want[i].volume]);
+        met_any += want[i].volume > 1;
+    }
+    assert_true(met_any > 50);
+    leafcast_free_places(chosen);
+    wood_close(&w);
+}
+
 /* ---- A million ---- */
 
 static void of_a_million_a_ray_asks_few(void **state) {
@@ -374,6 +429,18 @@ static void what_groups_cannot_have_is_told(void **state) {
     w.groups[1].volume_count = 0;
     check_refused(&w, &s, "neither volumes nor groups");
     w.groups[1].volume_count = 1;
+    static const uint16_t which[4] = {0, 0, 1, 0};
+    leafcast_places *chosen = NULL;
+    assert_int_equal(leafcast_make_places(w.pair.volume[0], OUTER[0], which, 4, &chosen),
+                     LEAFCAST_OK);
+    w.groups[0].places = chosen;
+    check_refused(&w, &s, "its places name group 1 of 1");
+    w.groups[0].places = w.outer;
+    leafcast_group either[2] = {w.inside, w.inside};
+    w.groups[0] = (leafcast_group){chosen, NULL, 0, either, 2};
+    check_refused(&w, &s, "has none of its own");
+    w.groups[0] = (leafcast_group){w.outer, w.first, 1, &w.inside, 1};
+    leafcast_free_places(chosen);
     static const double huge[12] = {1e22, 0, 0, 0, 0, 1e22, 0, 0, 0, 0, 1e22, 0};
     static const double far[12] = {1, 0, 0, 1e300, 0, 1, 0, 0, 0, 0, 1, 0};
     const leafcast_shown third = w.third[0];
@@ -433,6 +500,7 @@ int main(void) {
                                        cmocka_unit_test(mirrors_see_groups),
                                        cmocka_unit_test(media_lie_between_groups),
                                        cmocka_unit_test(rays_tell_the_object),
+                                       cmocka_unit_test(places_say_which_group_lies_there),
                                        cmocka_unit_test(of_a_million_a_ray_asks_few),
                                        cmocka_unit_test(what_groups_cannot_have_is_told)};
     return cmocka_run_group_tests(tests, scene_stage_set, scene_stage_clear);
