@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/vec3.h"
+#include "formats/leaf/triangle_normal.h"
 #include "render/look/picture_bytes.h"
 
 void triangle_polygon(const triangle *x, flat_polygon *out) {
@@ -68,6 +69,48 @@ static void shares_at(const triangle *x, const ray *r, double t, double share[3]
     share[0] = 1.0 - share[1] - share[2];
 }
 
+/* ---- smooth normals ---- */
+
+/* The cosine to the eye that normals have at least. */
+#define SEEN 0x1p-10
+
+triangle_smooth triangle_smooth_of(const triangle *x) {
+    triangle_smooth s = {.any = x->smooth};
+    for (int k = 0; k < 3 && s.any; k++)
+        s.any = triangle_normal_decode(x->normal[k], s.at[k]);
+    return s;
+}
+
+/* Bend a unit vector to the side of a flat normal from which it is seen. */
+static void bend(const double flat[3], const ray *r, double n[3]) {
+    double eye[3] = {-r->d[0], -r->d[1], -r->d[2]};
+    if (!vec3_unit(eye, eye))
+        return;
+    const double side = vec3_dot(flat, eye) < 0.0 ? -1.0 : 1.0;
+    const double seen = side * vec3_dot(n, eye);
+    for (int a = 0; a < 3 && seen < SEEN; a++)
+        n[a] += (SEEN - seen) * side * eye[a];
+}
+
+void triangle_smooth_normal(const triangle *x, const triangle_smooth *s, const ray *r, double t,
+                            float normal[3]) {
+    const double flat[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
+    double share[3], n[3] = {0.0, 0.0, 0.0};
+    shares_at(x, r, t, share);
+    for (int k = 0; k < 3; k++)
+        for (int a = 0; a < 3; a++)
+            n[a] += share[k] * s->at[k][a];
+    if (!isfinite(n[0] + n[1] + n[2]) || !vec3_unit(n, n))
+        return;
+    if (vec3_dot(n, flat) < 0.0)
+        for (int a = 0; a < 3; a++)
+            n[a] = -n[a];
+    bend(flat, r, n);
+    if (vec3_unit(n, n))
+        for (int a = 0; a < 3; a++)
+            normal[a] = (float)n[a];
+}
+
 /* The light of a packed colour. What is none is black. */
 static void unpack(float value, double rgb[3]) {
     const bool is_one = value >= 0.0f && value < 0x1p24f;
@@ -93,6 +136,9 @@ void triangle_values(const triangle *x, const ray *r, double t, bool coloured, s
 surface_point triangle_point(const triangle *x, const ray *r, const hit *h, bool coloured) {
     const flat_facts f = triangle_flat_facts(x);
     surface_point p = flat_point_at(&f, r, h);
+    const triangle_smooth s = triangle_smooth_of(x);
+    if (s.any)
+        triangle_smooth_normal(x, &s, r, h->t, p.normal);
     triangle_values(x, r, h->t, coloured, &p);
     return p;
 }
