@@ -2,19 +2,11 @@
 
 #include "formats/leaf/triangle_geometry.h"
 
-/* Whether vertices have normals: treelets need not be alike. */
-static bool has_normals(const leaf_file *f) {
-    bool any = false;
-    for (uint32_t t = 0; t < f->layout.treelets; t++)
-        any = any || triangle_directory_of(f)->counts[t][2] > 0;
-    return any;
-}
-
 /* Bytes before compression: positions, normals and values of the vertices, vertices of the
  * triangles. */
 static double raw_bytes(const leaf_file *f) {
     const leaf_header *h = &f->header;
-    const double place = has_normals(f) ? 16 : 12;
+    const double place = triangle_have_normals(f) ? 16 : 12;
     return (double)h->vertices * (place * (double)f->layout.places + 4 * (double)f->layout.sets) +
            4 * TRIANGLE_CORNERS * (double)h->tets;
 }
@@ -44,7 +36,7 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
     leaf_tell_values(f, to, "values", 1);
     leaf_tell_print_steps(f, to);
     leaf_tell_bounds(f, to);
-    if (has_normals(f))
+    if (triangle_have_normals(f))
         fact_sheet_line(to, "normals", "at the vertices, 4 bytes each");
     fact_sheet_line(to, "treelets", "%llu of up to %u triangles, runs at %u, %s",
                     (unsigned long long)h->treelets, h->treelet_tets, 1U << h->run_align_log2,
@@ -54,7 +46,7 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
     leaf_tell_bytes(f, to, raw);
     fact_sheet_real(to, "bytes_per_triangle", each);
     fact_sheet_flag(to, "moving", h->moving);
-    fact_sheet_flag(to, "normals", has_normals(f));
+    fact_sheet_flag(to, "normals", triangle_have_normals(f));
     leaf_tell_set_fields(f, to);
 }
 

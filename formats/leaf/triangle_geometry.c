@@ -9,8 +9,7 @@
 #include "formats/leaf/triangle_verify.h"
 
 triangle_shape triangle_shape_of(const uint32_t counts[4]) {
-    triangle_shape s = {
-        .triangles = counts[0], .vertices = counts[1], .normals = counts[2]};
+    triangle_shape s = {.triangles = counts[0], .vertices = counts[1], .normals = counts[2]};
     s.place_bytes = leaf_aligned(triangle_place_bytes(&s));
     s.topology_bytes = s.place_bytes + leaf_aligned(triangle_rows_bytes(&s));
     s.value_bytes = leaf_aligned(s.vertices * (uint32_t)sizeof(float));
@@ -54,6 +53,13 @@ bool triangle_is_flat(const float p[3][3]) {
             return false;
     }
     return is_flat_exactly(p);
+}
+
+bool triangle_have_normals(const leaf_file *f) {
+    bool any = false;
+    for (uint32_t t = 0; t < f->layout.treelets; t++)
+        any = any || f->layout.counts[t][2] > 0;
+    return any;
 }
 
 /* ---- Cells ---- */

@@ -34,7 +34,7 @@ enum {
 /* Where the parts of a treelet's payloads begin, in bytes. */
 typedef struct triangle_shape {
     uint32_t triangles, vertices;
-    uint32_t normals; /* 0, or as many as vertices */
+    uint32_t normals;                                  /* 0, or as many as vertices */
     uint32_t place_bytes, topology_bytes, value_bytes; /* rows begin where places end */
 } triangle_shape;
 
@@ -73,6 +73,9 @@ bool triangle_is_flat(const float p[3][3]);
 static inline const leaf_cells_directory *triangle_directory_of(const leaf_file *f) {
     return f->besides;
 }
+
+/* triangle_have_normals() - whether some of a file's vertices have. */
+bool triangle_have_normals(const leaf_file *f);
 
 extern const leaf_geometry triangle_geometry;
 
