@@ -28,10 +28,13 @@ typedef struct triangle {
     uint32_t normal[3]; /* of the vertices, if it is smooth (triangle_normal.h) */
 } triangle;
 
-/* The unit normals at the vertices of a triangle. */
+/* The unit normals at the vertices of a triangle, and what tells the vertices' shares at a point.
+ */
 typedef struct triangle_smooth {
     bool any; /* false: it is flat */
     double at[3][3];
+    int u, v; /* the axes along which it is seen largest, and from there: */
+    double corner[3], by[2][2];
 } triangle_smooth;
 
 /* triangle_less() - the order of hits of one ray on triangles: (t, iso, front first, number). */
@@ -73,8 +76,7 @@ flat_facts triangle_flat_facts(const triangle *x);
  * It is for shading alone: hits, sides, and where shadows and mirrored rays begin are the
  * triangle's. */
 triangle_smooth triangle_smooth_of(const triangle *x);
-void triangle_smooth_normal(const triangle *x, const triangle_smooth *s, const ray *r, double t,
-                            float normal[3]);
+void triangle_smooth_normal(const triangle_smooth *s, const ray *r, double t, float normal[3]);
 
 /* triangle_point() - the point of a hit. coloured: values are packed colours (triangle_geometry.h).
  * Values and colours are linear between the vertices, colours as light. */

@@ -24,7 +24,6 @@ typedef struct triangle_shading {
     const treelet *at[KNOWN_TRIANGLES]; /* NULL: the slot is empty */
     uint32_t local[KNOWN_TRIANGLES];
     flat_facts facts[KNOWN_TRIANGLES];
-    triangle met[KNOWN_TRIANGLES];
     triangle_smooth smooth[KNOWN_TRIANGLES];
 } triangle_shading;
 
@@ -51,11 +50,11 @@ static triangle triangle_met(const tile_surface *x) {
 static unsigned slot_of(triangle_shading *m, const tile_surface *x) {
     const unsigned k = x->local % KNOWN_TRIANGLES;
     if (m->at[k] != x->at || m->local[k] != x->local) {
-        m->met[k] = triangle_met(x);
+        const triangle met = triangle_met(x);
         m->at[k] = x->at;
         m->local[k] = x->local;
-        m->facts[k] = triangle_flat_facts(&m->met[k]);
-        m->smooth[k] = triangle_smooth_of(&m->met[k]);
+        m->facts[k] = triangle_flat_facts(&met);
+        m->smooth[k] = triangle_smooth_of(&met);
     }
     return k;
 }
@@ -85,7 +84,7 @@ static void triangle_normals(void *work, const tile_layer *l, tile_normals norma
         memcpy(n, m->facts[k].point.normal, sizeof n);
         if (m->smooth[k].any) {
             const ray r = triangle_ray(m, i);
-            triangle_smooth_normal(&m->met[k], &m->smooth[k], &r, x->t, n);
+            triangle_smooth_normal(&m->smooth[k], &r, x->t, n);
         }
         for (int a = 0; a < 3; a++)
             normal[a][i] = n[a];
