@@ -173,8 +173,10 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
                       (plan->runs.block ? tets : 0) + mesh_runs_sorting(&plan->runs));
     const uint64_t build_all = build + mesh_runs_merging(&plan->runs, count);
     if (paged) {
+        /* Shares as the elements are: 3 for points and gradients, 1 for values and normals. */
+        const uint64_t wide = gradients.element / sizeof(float);
         const uint64_t each = room_above(budget, build_all) / threads /
-                              (any           ? 7
+                              (any           ? 4 + wide
                                : least_cells ? 8
                                              : 4);
         plan->keys_window = mesh_pages_memory(
@@ -183,7 +185,7 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
         plan->values_window = mesh_pages_memory(&g->values, larger(each, least_values));
         if (any)
             plan->gradients_window =
-                mesh_pages_memory(&gradients, larger(3 * each, least_gradients));
+                mesh_pages_memory(&gradients, larger(wide * each, least_gradients));
     }
     if (least_cells) {
         const uint64_t each = room_above(budget, build_all) / threads / 8;
