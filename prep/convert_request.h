@@ -20,7 +20,7 @@ typedef struct convert_request {
     uint32_t treelet_tets, leaf_tets, coarse_dims;
     bool coarse, sah, gradients;
     bool whole;  /* cells are not split */
-    int normals; /* of a surface's vertices: a surface_normals (mesh_plan.h), from 0 */
+    int normals; /* of vertices: file, smooth or flat, from 0 (convert_main.c) */
     bool normals_are_given;
 
     bool dry_run, allow_empty;

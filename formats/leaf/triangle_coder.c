@@ -205,8 +205,8 @@ static void decode_normals(const uint8_t *planes, size_t count, uint32_t *normal
     for (size_t i = 0; i < count; i++) {
         uint32_t code = 0;
         for (unsigned k = 0; k < 2; k++) {
-            const uint32_t d = planes[2 * k * count + i] |
-                               (uint32_t)planes[(2 * k + 1) * count + i] << 8;
+            const uint32_t d = planes[2 * k * count + i] | (uint32_t)planes[(2 * k + 1) * count + i]
+                                                               << 8;
             code |= unfolded(d, before >> 16 * k & 0xffff) << 16 * k;
         }
         before = normals[i] = code;
