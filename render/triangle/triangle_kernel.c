@@ -74,9 +74,6 @@ static void shares_at(const triangle *x, const ray *r, double t, double share[3]
 /* The cosine to the eye that normals have at least. */
 #define SEEN 0x1p-10
 
-/* A sum of unit vectors that is shorter has no direction. */
-#define SHORTEST 0x1p-40
-
 /* Set what tells the shares of the vertices: as shares_at(), but for the last bits. */
 static bool find_axes(const triangle *x, triangle_smooth *s) {
     double e[2][3], n[3];
@@ -139,8 +136,6 @@ void triangle_smooth_normal(const triangle_smooth *s, const ray *r, double t, fl
     double n[3];
     add_normals(s, r, t, n);
     double square = vec3_dot(n, n);
-    if (!(square > SHORTEST * SHORTEST))
-        return;
     if (vec3_dot(n, flat) < 0.0)
         for (int a = 0; a < 3; a++)
             n[a] = -n[a];
