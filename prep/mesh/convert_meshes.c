@@ -50,7 +50,9 @@ static void note(const convert_request *a, const void *own) {
     if (a->common.verbosity <= 0)
         return;
     mesh_input_fields(own, take_array, &c);
-    convert_choices_note(&c.choices);
+    /* Of a surface that has normals alone, nothing is taken unasked. */
+    if (c.choices.taken.text[0])
+        convert_choices_note(&c.choices);
 }
 
 /* ---- fields and steps ---- */

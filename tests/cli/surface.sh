@@ -125,6 +125,12 @@ for form in ply vtp; do
     draw "$tmp/again.leaf" "$tmp/again.ppm"
     ok "is flat" cmp "$tmp/again.ppm" "$tmp/flat.ppm"
 done
+printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n' >"$tmp/only.ply"
+printf 'property float nx\nproperty float ny\nproperty float nz\nelement face 1\nproperty list uchar int vertex_indices\n' >>"$tmp/only.ply"
+printf 'end_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n' >>"$tmp/only.ply"
+exits "normals alone" 0 "$leafcast" convert "$tmp/only.ply" -o "$tmp/only.leaf"
+ok "are told" prints '^normals  *of the file.s own, at its points$'
+ok "and are no field" [ ! -s "$tmp/err" ]
 exits "a series that moves" 0 "$leafcast" convert "$tmp/moves_%d.ply" --normals smooth --compress zstd -o "$tmp/nm.leaf" -q
 exits "is sound" 0 "$leafcast" verify "$tmp/nm.leaf"
 exits "its last step" 0 "$leafcast" convert "$tmp/moves_2.ply" --normals smooth -o "$tmp/n2.leaf" -q
