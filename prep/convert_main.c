@@ -59,6 +59,7 @@ enum {
     KEY_COARSE,
     KEY_GRADIENTS,
     KEY_WHOLE,
+    KEY_NORMALS,
     KEY_NAME,
     KEY_ALLOW_EMPTY,
     KEY_IN_PLACE,
@@ -171,6 +172,10 @@ static const struct argp_option options[] = {
      "keep hexahedra, wedges and pyramids as they are, each with its own interpolant (default: "
      "split them into tets)",
      3},
+    {"normals", KEY_NORMALS, "file|smooth|flat", 0,
+     "of surfaces: those that the file has at its vertices (default), or made from the triangles "
+     "around each, or none: triangles look flat",
+     3},
     CURVILINEAR_OPTIONS(3),
     {NULL, 0, NULL, 0, NULL, 0}};
 
@@ -209,6 +214,7 @@ static const cli_use uses[] = {{TRUST_KEY_LINKS, INPUT_FILES},
                                {KEY_BUILD, INPUT_CELLS},
                                {KEY_GRADIENTS, INPUT_CELLS},
                                {KEY_WHOLE, INPUT_CELLS | INPUT_MEANS},
+                               {KEY_NORMALS, INPUT_CELLS},
                                {KEY_BY_CORNERS, INPUT_CELLS}};
 
 static status set_spacing(convert_request *a, const char *text) {
@@ -260,6 +266,16 @@ static status set_build(convert_request *a, const char *name) {
     if (a->sah || strcmp(name, "bih") == 0)
         return ST_OK;
     return status_describe(ST_USAGE, "--build: \"%s\" is neither bih nor sah", name);
+}
+
+static status set_normals(convert_request *a, const char *name) {
+    static const char *const names[] = {
+        [NORMALS_FILE] = "file", [NORMALS_SMOOTH] = "smooth", [NORMALS_FLAT] = "flat"};
+    a->normals_are_given = true;
+    for (a->normals = 0; a->normals <= NORMALS_FLAT; a->normals++)
+        if (strcmp(name, names[a->normals]) == 0)
+            return ST_OK;
+    return status_describe(ST_USAGE, "--normals: \"%s\" is neither file, smooth nor flat", name);
 }
 
 static status add_field(convert_request *a, const char *name) {
@@ -331,6 +347,7 @@ static status set_mesh(convert_request *a, int key, const char *text) {
         return text ? cli_uint(text, "--coarse", 2, GRID_DIM_MAX, &a->coarse_dims) : ST_OK;
     case KEY_GRADIENTS: a->gradients = true; return ST_OK;
     case KEY_WHOLE: a->whole = true; return ST_OK;
+    case KEY_NORMALS: return set_normals(a, text);
     default: return ST_AGAIN;
     }
 }

@@ -19,7 +19,9 @@ typedef struct convert_request {
     /* For inputs that list their cells: */
     uint32_t treelet_tets, leaf_tets, coarse_dims;
     bool coarse, sah, gradients;
-    bool whole; /* cells are not split */
+    bool whole;  /* cells are not split */
+    int normals; /* of vertices: file, smooth or flat, from 0 (convert_main.c) */
+    bool normals_are_given;
 
     bool dry_run, allow_empty;
     bool in_place; /* leave the samples of level 0 where they are */

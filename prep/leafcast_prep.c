@@ -287,6 +287,7 @@ static status convert_cells(job *j, mesh_input *x, const mesh_series *series,
     o.gradients = j->o.gradients;
     o.coarse = j->o.coarse;
     o.cells = cells;
+    o.normals = (surface_normals)j->o.normals;
     o.coarse_dims = j->o.coarse_dims;
     o.refuse_empty = !j->o.allow_empty && cells != &triangle_treelets;
     o.treelet_tets = j->o.treelet_tets ? j->o.treelet_tets : o.treelet_tets;

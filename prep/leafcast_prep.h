@@ -40,6 +40,14 @@ extern "C" {
 /* All zero but `size` gives the defaults of `leafcast convert`. Options for grids do not affect
  * meshes, nor those for meshes grids. Surfaces of triangles go with the options for meshes, but for
  * gradients, coarse, leaf_tets and whole_cells: LEAFCAST_USAGE. */
+/* Where the normals of a surface's vertices come from: from the file, if it has any, or else there
+ * are none; made of the triangles around each, those weighted by their areas; or there are none. */
+typedef enum leafcast_surface_normals {
+    LEAFCAST_NORMALS_FILE,
+    LEAFCAST_NORMALS_SMOOTH,
+    LEAFCAST_NORMALS_FLAT
+} leafcast_surface_normals;
+
 typedef struct leafcast_convert_options {
     size_t size;
     uint64_t memory;  /* in bytes, not counting the caller's own; 0: 2 GiB */
@@ -97,6 +105,10 @@ typedef struct leafcast_convert_options {
     /* Meshes in files: take cells of higher order as linear ones of their corners, without what
      * they hold in between; else they are refused. */
     bool by_corners;
+
+    /* Surfaces: normals at the vertices, by which triangles are shaded. Where vertices move, of
+     * each step. */
+    leafcast_surface_normals normals;
 } leafcast_convert_options;
 
 /* ---- From files ---- */

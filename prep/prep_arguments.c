@@ -45,6 +45,7 @@ static const public_field options_rows[] = {
     PUBLIC_FLAG(leafcast_convert_options, without_levels),
     PUBLIC_FLAG(leafcast_convert_options, whole_cells),
     PUBLIC_FLAG(leafcast_convert_options, by_corners),
+    PUBLIC_ENUM(leafcast_convert_options, normals, LEAFCAST_NORMALS_FLAT),
 };
 
 static status options_together(const void *of) {

@@ -280,9 +280,9 @@ LEAFCAST_API leafcast_status leafcast_select_set(leafcast *volume, uint32_t fiel
  * selects them. The surface is as exact as any step's; so are coarse levels, up to the rounding of
  * their samples.
  *
- * In a mesh likewise values at vertices; where these move, each of their coordinates; and stored
- * gradients (those of the blended mesh would be others where it moves). A tet that turns inside out
- * on the way is drawn like one in a step: where tets overlap, surfaces of all are there. A
+ * In a mesh likewise values at vertices; where these move, their coordinates; and stored gradients
+ * and normals (those of the blended mesh would be others where it moves). A tet that turns inside
+ * out on the way is drawn like one in a step: where tets overlap, surfaces of all are there. A
  * hexahedron is folded, or is not, as its nodes between say; it is blanked where it is at one of
  * both steps.
  *

@@ -21,6 +21,7 @@
 #ifndef RENDER_LEAFCAST_DYNAMIC_H
 #define RENDER_LEAFCAST_DYNAMIC_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -47,6 +48,9 @@ typedef struct leafcast_triangles {
     const uint32_t *colours; /* one a vertex, 0xRRGGBB in sRGB; NULL: none. With values, too, they
                                 are the field behind these: its name is "rgb" */
     const char *field;       /* name of the values, not "rgb"; NULL: "value" */
+    bool smooth;             /* shaded by normals at the vertices, which are made from the triangles
+                                around each, as `convert --normals smooth` does; anew at each update,
+                                by one thread */
 } leafcast_triangles;
 
 /* leafcast_open_triangles() - opens a surface, and copies what it needs. Cells are the triangles,

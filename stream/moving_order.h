@@ -5,6 +5,7 @@
 #ifndef STREAM_MOVING_ORDER_H
 #define STREAM_MOVING_ORDER_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "formats/base/mem.h"
@@ -18,6 +19,7 @@ typedef struct moving_source {
     const float *values;          /* a vertex; or NULL */
     const uint32_t *colours;      /* a vertex, 0xRRGGBB; or NULL */
     const char *name;             /* of the values */
+    bool smooth;                  /* vertices have normals, made from the triangles */
 } moving_source;
 
 /* moving_order_sort() - write the triangles' numbers in their order. bounds: of the triangles.

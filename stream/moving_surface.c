@@ -23,7 +23,10 @@ static size_t memory_of(const moving_source *src, size_t vertices) {
                     MOVING_FIELDS_MAX * MOVING_STEPS * 128 + 512);
     const size_t sorting = moving_order_memory(src->triangles),
                  numbering = src->vertices * sizeof(uint32_t);
-    return kept + (sorting > numbering ? sorting : numbering) + (1 << 20);
+    const size_t smooth = src->smooth ? vertices * MOVING_STEPS * sizeof(uint32_t) +
+                                            vertex_normals_memory(src->vertices)
+                                      : 0;
+    return kept + smooth + (sorting > numbering ? sorting : numbering) + (1 << 20);
 }
 
 static status refuse(const mem *m, const moving_source *src, size_t vertices) {
@@ -172,6 +175,7 @@ static status make_treelet(moving_surface *s, const moving_source *src, uint32_t
         st = triangle_blocks_init(&at->at[i], s->m, &shape, (const uint16_t(*)[3])(s->rows + begin),
                                   s->places[i] + TRIANGLE_CORNERS * at->first);
         at->at[i].numbers = s->numbers + begin;
+        at->at[i].normals = s->normals[i] ? s->normals[i] + at->first : NULL;
     }
     return st;
 }
@@ -194,11 +198,16 @@ static status take_values(moving_surface *s, const moving_source *src, size_t co
     return ST_OK;
 }
 
-static status allocate(moving_surface *s, size_t count) {
+static status allocate(moving_surface *s, bool smooth, size_t count) {
     bool whole = (s->ids = mem_array(s->m, count, sizeof *s->ids)) != NULL;
-    for (int i = 0; i < MOVING_STEPS; i++)
+    for (int i = 0; i < MOVING_STEPS; i++) {
         whole = (s->places[i] = mem_array(s->m, count, sizeof(float[3]))) != NULL && whole;
-    return whole ? ST_OK : ST_NOMEM;
+        if (smooth)
+            whole = (s->normals[i] = mem_array(s->m, count, sizeof(uint32_t))) != NULL && whole;
+    }
+    if (!whole)
+        return ST_NOMEM;
+    return smooth ? vertex_normals_init(&s->sums, s->m, s->vertices) : ST_OK;
 }
 
 static status make(moving_surface *s, const moving_source *src, int threads, uint32_t *count) {
@@ -213,7 +222,7 @@ static status make(moving_surface *s, const moving_source *src, int threads, uin
     if (st == ST_OK)
         st = number(s, src, count);
     if (st == ST_OK)
-        st = allocate(s, *count);
+        st = allocate(s, src->smooth, *count);
     for (uint32_t t = 0; st == ST_OK && t < s->treelet_count; t++)
         st = make_treelet(s, src, t);
     if (st == ST_OK)
@@ -256,6 +265,10 @@ void moving_surface_destroy(moving_surface *s) {
         mem_free(s->m, s->values[f]);
     for (int i = 0; i < MOVING_STEPS; i++)
         mem_free(s->m, s->places[i]);
+    for (int i = 0; i < MOVING_STEPS; i++)
+        mem_free(s->m, s->normals[i]);
+    if (s->sums.m)
+        vertex_normals_release(&s->sums);
     mem_free(s->m, s->treelets);
     mem_free(s->m, s->ids);
     mem_free(s->m, s->rows);
@@ -272,6 +285,27 @@ uint32_t moving_surface_find(const moving_surface *s, uint64_t number, uint32_t 
 
 /* ---- Moving ---- */
 
+/* Add up the triangles around each vertex: in the host's order, so that the bits do not depend on
+ * where they were at first. */
+static void sum_normals(putting *p) {
+    moving_surface *s = p->s;
+    const uint32_t count = (uint32_t)s->file->header.tets;
+    vertex_normals_begin(&s->sums);
+    for (uint32_t v = 0; v < s->vertices; v++)
+        vertex_normals_put(&s->sums, p->positions[v]);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t at = s->order[i];
+        const uint32_t *ids = s->ids + s->treelets[at / MOVING_TRIANGLES].first;
+        float corner[3][3];
+        size_t numbers[3];
+        for (int k = 0; k < TRIANGLE_CORNERS; k++) {
+            numbers[k] = ids[s->rows[at][k]];
+            memcpy(corner[k], p->positions[numbers[k]], sizeof corner[k]);
+        }
+        vertex_normals_add(&s->sums, (const float(*)[3])corner, numbers);
+    }
+}
+
 /* Copy positions to where a treelet has them, and make its boxes anew. */
 static status refit(void *ctx, size_t index, int worker) {
     const putting *p = ctx;
@@ -283,6 +317,8 @@ static status refit(void *ctx, size_t index, int worker) {
     for (uint32_t i = 0; i < count; i++)
         for (uint32_t a = 0; a < 3; a++)
             to[a * count + i] = p->positions[ids[i]][a];
+    for (uint32_t i = 0; i < count && p->s->normals[p->step]; i++)
+        p->s->normals[p->step][t->first + i] = vertex_normals_code(&p->s->sums, ids[i]);
     triangle_blocks_move(b);
     moving_file_set_bounds(p->s->file, p->step, (uint32_t)index,
                            b->tree.bounds[b->tree.levels - 1][0]);
@@ -293,6 +329,8 @@ status moving_surface_put(moving_surface *s, uint32_t step, const float (*positi
     putting p = {s, step, positions};
     char why[LEAF_PLACE_TEXT];
     status st = check_positions(&p);
+    if (st == ST_OK && s->normals[step])
+        sum_normals(&p);
     if (st == ST_OK)
         st = pool_run(s->threads, s->treelet_count, refit, &p);
     if (st == ST_OK && !leaf_place_mesh(moving_file_merge_bounds(s->file, step), why))

@@ -6,7 +6,9 @@
  * Triangles lie where they were when it was made; so another step needs no sorting: positions are
  * copied to where treelets have them, then boxes are made anew from the triangles up, treelet by
  * treelet, by several threads. The boxes are exact: rays find what they would in a surface made
- * anew, to the bit, if by more of them the more the motion tears neighbours apart.
+ * anew, to the bit, if by more of them the more the motion tears neighbours apart. So are normals,
+ * if it has any: they are made anew from the triangles (formats/surface/vertex_normals.h), in the
+ * host's order.
  *
  * Triangles have the host's numbers.
  */
@@ -15,6 +17,7 @@
 
 #include "formats/base/pool.h"
 #include "formats/leaf/leaf_file.h"
+#include "formats/surface/vertex_normals.h"
 #include "stream/moving_order.h"
 #include "stream/triangle_blocks.h"
 
@@ -40,9 +43,11 @@ typedef struct moving_surface {
     uint32_t *order;                  /* and where those of the host are in it */
     uint16_t (*rows)[3];
     /* Of each treelet's vertices, treelet after treelet: */
-    uint32_t *ids;               /* the host's vertex */
-    float *places[MOVING_STEPS]; /* per treelet x[n], y[n], z[n] */
+    uint32_t *ids;                   /* the host's vertex */
+    float *places[MOVING_STEPS];     /* per treelet x[n], y[n], z[n] */
+    uint32_t *normals[MOVING_STEPS]; /* NULL: it has none */
     float *values[MOVING_FIELDS_MAX];
+    vertex_normals sums; /* of the host's vertices, while they are put */
     moving_treelet *treelets;
 } moving_surface;
 

@@ -22,6 +22,7 @@ status triangle_blocks_init(triangle_blocks *b, mem *m, const triangle_shape *s,
     *b = (triangle_blocks){.shape = *s, .rows = rows, .blocks = block_count(s), .m = m};
     for (int a = 0; a < 3; a++)
         b->p[a] = triangle_coordinates(s, places, a);
+    b->normals = triangle_place_normals(s, places);
     b->active = mem_zalloc(m, b->blocks * sizeof *b->active);
     if (!b->active)
         return ST_NOMEM;

@@ -20,6 +20,7 @@ typedef struct triangle_blocks {
                                   else NULL */
     const float *p[3];         /* a coordinate of all vertices, at its step */
     const float *values;       /* of all vertices */
+    const uint32_t *normals;   /* of all vertices, at its step (triangle_normal.h); NULL: none */
     const uint16_t (*rows)[3]; /* of the triangles */
     treelet_tree tree;         /* over the blocks; active: those with an active triangle */
     uint32_t blocks;

@@ -74,6 +74,8 @@ static void make_places(const leaf_file *f, const leaf_mix *m, uint32_t bytes) {
     memset(m->payload + coordinates * sizeof(float), 0, bytes - coordinates * sizeof(float));
     if (f->geometry->noded->hexahedra)
         make_codes(f, m, from);
+    if (f->geometry->noded->mix)
+        f->geometry->noded->mix(&h, from, m->share, (float *)(void *)m->payload);
 }
 
 static void make_values(const leaf_file *f, const leaf_mix *m, uint32_t bytes) {

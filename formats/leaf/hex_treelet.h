@@ -29,6 +29,9 @@ typedef struct leaf_noded {
      * of a cell; the most of each in a treelet; and what it cannot have (COUNTS), or NULL. */
     uint32_t cells_max, nodes_least, nodes_each;
     const char *(*counts_fault)(const uint32_t counts[4], uint32_t treelet_cells);
+    /* NULL, or set what nodes have behind their places, at a share of the way between two payloads
+     * of places. */
+    void (*mix)(const hex_treelet *h, const float *const from[2], double share, float *places);
 } leaf_noded;
 
 /* hex_treelet_of() - treelet t of a file with leaf_geometry.noded, its payloads not yet known.

@@ -4,13 +4,15 @@
  *   of a topology, then:
  *   1       u8 codes[3 c]: which vertex is at a corner, below
  *   2 - 5   u8 plane[4][3 n]: places, each axis after the other
- *   6, 7    u8 each: low and high bytes of the words that codes ask for
- *   of positions and values: 1 - 4, the planes
+ *   6 - 9   u8 plane[4][n], only if there are normals: the low and the high byte of u, then of v
+ *   10, 11  u8 each: low and high bytes of the words that codes ask for
+ *   of positions: 1 - 8, the planes; of values: 1 - 4
  *
  * Corner after corner, with m vertices so far, a code says which one is there: 0: a new one, m. 1
  * .. 254: the one at the code-th corner before. 255: m - 1 - w, with w the next word. A place is
  * predicted by those of the same triangle that are known, of the vertices before it in the row: one
- * by that one, two by the mean of both; else by the vertex before.
+ * by that one, two by the mean of both; else by the vertex before. u and v of a normal are
+ * predicted by those of the vertex before.
  */
 #include "formats/leaf/triangle_coder.h"
 
@@ -20,19 +22,25 @@
 
 enum { NEW = 0, FARTHEST = 254, WORD = 255 };
 
-/* A payload: floats, zeros; of a topology corners, and zeros. */
+/* A payload: floats, normals, zeros; of a topology corners, and zeros. */
 typedef struct parts {
-    size_t floats, floats_end, corners, bytes;
+    size_t floats, normals, floats_end, corners, bytes;
 } parts;
+
+/* Where the zeros behind floats and normals begin. */
+static size_t words_end(const parts *p) {
+    return (p->floats + p->normals) * sizeof(uint32_t);
+}
 
 static parts parts_of(leaf_block block, const triangle_shape *s) {
     if (block == LEAF_BLOCK_VALUES)
-        return (parts){s->vertices, s->value_bytes, 0, s->value_bytes};
-    const parts places = {3 * (size_t)s->vertices, s->place_bytes, 0, s->place_bytes};
-    if (block != LEAF_BLOCK_TOPOLOGY)
-        return places;
-    return (parts){places.floats, s->place_bytes, TRIANGLE_CORNERS * (size_t)s->triangles,
-                   s->topology_bytes};
+        return (parts){s->vertices, 0, s->value_bytes, 0, s->value_bytes};
+    parts places = {3 * (size_t)s->vertices, s->normals, s->place_bytes, 0, s->place_bytes};
+    if (block == LEAF_BLOCK_TOPOLOGY) {
+        places.corners = TRIANGLE_CORNERS * (size_t)s->triangles;
+        places.bytes = s->topology_bytes;
+    }
+    return places;
 }
 
 static size_t bytes_of(leaf_block block, const uint32_t counts[4]) {
@@ -44,7 +52,7 @@ static size_t bytes_of(leaf_block block, const uint32_t counts[4]) {
 static size_t room_of(leaf_block block, const uint32_t counts[4]) {
     const triangle_shape s = triangle_shape_of(counts);
     const parts p = parts_of(block, &s);
-    const size_t coded = p.floats * sizeof(float) + 3 * p.corners;
+    const size_t coded = words_end(&p) + 3 * p.corners;
     return 1 + (coded > p.bytes ? coded : p.bytes);
 }
 
@@ -54,7 +62,7 @@ static size_t scratch_of(const uint32_t counts[4]) {
 
 static bool padding_is_zero(const char *payload, const parts *p) {
     const size_t corners_end = p->floats_end + p->corners * sizeof(uint16_t);
-    return coded_payload_is_zero(payload, p->floats * sizeof(float), p->floats_end) &&
+    return coded_payload_is_zero(payload, words_end(p), p->floats_end) &&
            coded_payload_is_zero(payload, p->corners ? corners_end : p->bytes, p->bytes);
 }
 
@@ -166,6 +174,54 @@ static void decode_places(const triangle_shape *s, const uint16_t *rows, const u
             }
 }
 
+/* ---- normals ---- */
+
+enum { NORMAL_PLANES = 4 };
+
+static uint32_t folded(uint32_t now, uint32_t before) {
+    const uint32_t d = (now - before) & 0xffff;
+    return d < 0x8000 ? 2 * d : 0x1ffff - 2 * d;
+}
+
+static uint32_t unfolded(uint32_t folded_difference, uint32_t before) {
+    const uint32_t half = folded_difference >> 1;
+    return (before + (folded_difference & 1 ? ~half : half)) & 0xffff;
+}
+
+static void encode_normals(const uint32_t *normals, size_t count, uint8_t *planes) {
+    uint32_t before = 0;
+    for (size_t i = 0; i < count; i++) {
+        for (unsigned k = 0; k < 2; k++) {
+            const uint32_t d = folded(normals[i] >> 16 * k & 0xffff, before >> 16 * k & 0xffff);
+            planes[2 * k * count + i] = (uint8_t)d;
+            planes[(2 * k + 1) * count + i] = (uint8_t)(d >> 8);
+        }
+        before = normals[i];
+    }
+}
+
+static void decode_normals(const uint8_t *planes, size_t count, uint32_t *normals) {
+    uint32_t before = 0;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t code = 0;
+        for (unsigned k = 0; k < 2; k++) {
+            const uint32_t d = planes[2 * k * count + i] | (uint32_t)planes[(2 * k + 1) * count + i]
+                                                               << 8;
+            code |= unfolded(d, before >> 16 * k & 0xffff) << 16 * k;
+        }
+        before = normals[i] = code;
+    }
+}
+
+/* The normals of a payload, behind its floats. */
+static void put_normals(const parts *p, const char *payload, coded_streams *out) {
+    const void *normals = payload + p->floats * sizeof(float);
+    if (p->normals == 0)
+        return;
+    encode_normals(normals, p->normals, coded_streams_take(out, p->normals * sizeof(uint32_t)));
+    coded_payload_end_planes(out, NORMAL_PLANES, p->normals);
+}
+
 /* ---- payloads ---- */
 
 static bool encode_topology(const triangle_shape *s, const parts *p, const char *payload,
@@ -179,6 +235,7 @@ static bool encode_topology(const triangle_shape *s, const parts *p, const char 
     encode_places(s, rows, (const float *)(const void *)payload,
                   coded_streams_take(out, p->floats * sizeof(float)));
     coded_payload_end_planes(out, FLOAT_PLANES, p->floats);
+    put_normals(p, payload, out);
     for (unsigned shift = 0; shift < 16; shift += 8) {
         uint8_t *to = coded_streams_take(out, (size_t)count);
         for (int64_t i = 0; i < count; i++)
@@ -199,6 +256,7 @@ static bool encode_streams(leaf_block block, const triangle_shape *s, const part
         return encode_topology(s, p, payload, scratch, out);
     float_planes_encode(payload, p->floats, 1, coded_streams_take(out, p->floats * sizeof(float)));
     coded_payload_end_planes(out, FLOAT_PLANES, p->floats);
+    put_normals(p, payload, out);
     return true;
 }
 
@@ -215,10 +273,12 @@ static bool decode_streams(const triangle_shape *s, const parts *p, coded_input 
                            char *payload) {
     const uint8_t *codes = coded_input_take(in, p->corners);
     const uint8_t *planes = coded_input_take(in, p->floats * sizeof(float));
-    if (!codes || !planes)
+    const uint8_t *normals = coded_input_take(in, p->normals * sizeof(uint32_t));
+    if (!codes || !planes || !normals)
         return false;
     const size_t floats = p->floats * sizeof(float);
     memset(payload + floats, 0, p->bytes - floats);
+    decode_normals(normals, p->normals, (uint32_t *)(void *)(payload + floats));
     if (!p->corners) {
         float_planes_decode(planes, p->floats, 1, payload);
         return in->left == 0;

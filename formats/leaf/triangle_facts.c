@@ -2,10 +2,12 @@
 
 #include "formats/leaf/triangle_geometry.h"
 
-/* Bytes before compression: positions and values of the vertices, vertices of the triangles. */
+/* Bytes before compression: positions, normals and values of the vertices, vertices of the
+ * triangles. */
 static double raw_bytes(const leaf_file *f) {
     const leaf_header *h = &f->header;
-    return (double)h->vertices * (12 * (double)f->layout.places + 4 * (double)f->layout.sets) +
+    const double place = triangle_have_normals(f) ? 16 : 12;
+    return (double)h->vertices * (place * (double)f->layout.places + 4 * (double)f->layout.sets) +
            4 * TRIANGLE_CORNERS * (double)h->tets;
 }
 
@@ -34,6 +36,8 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
     leaf_tell_values(f, to, "values", 1);
     leaf_tell_print_steps(f, to);
     leaf_tell_bounds(f, to);
+    if (triangle_have_normals(f))
+        fact_sheet_line(to, "normals", "at the vertices, 4 bytes each");
     fact_sheet_line(to, "treelets", "%llu of up to %u triangles, runs at %u, %s",
                     (unsigned long long)h->treelets, h->treelet_tets, 1U << h->run_align_log2,
                     leaf_tell_codec(f));
@@ -42,6 +46,7 @@ static void tell(const leaf_file *f, const fact_sheet *to) {
     leaf_tell_bytes(f, to, raw);
     fact_sheet_real(to, "bytes_per_triangle", each);
     fact_sheet_flag(to, "moving", h->moving);
+    fact_sheet_flag(to, "normals", triangle_have_normals(f));
     leaf_tell_set_fields(f, to);
 }
 

@@ -3,13 +3,15 @@
  * Blocks of payloads are those of a mesh without gradients (leaf.h). In a treelet of n vertices and
  * c triangles:
  *
- *   topology   float x[n], y[n], z[n] at step 0; zeros up to a multiple of LEAF_ALIGN; uint16_t
- *              rows[c][3]: a triangle's vertices; zeros up to a multiple of LEAF_ALIGN
- *   positions  float x[n], y[n], z[n] at a later step; zeros likewise
+ *   topology   float x[n], y[n], z[n] at step 0; uint32_t normal[n], if it has normals
+ *              (triangle_normal.h); zeros up to a multiple of LEAF_ALIGN; uint16_t rows[c][3]: a
+ *              triangle's vertices; zeros up to a multiple of LEAF_ALIGN
+ *   positions  float x[n], y[n], z[n], normals likewise, at a later step; zeros likewise
  *   values     float[n]; zeros likewise
  *
  * Vertices are in the order in which rows use them first. What of two triangles is at one place
- * need not be one vertex. Triangles are in the order of a space-filling curve. COUNTS: c, n, 0, 0.
+ * need not be one vertex. Triangles are in the order of a space-filling curve. COUNTS: c, n,
+ * how many normals: 0 or n, 0.
  * Of the header: tets: triangles; vertices: points of the input that have triangles; treelet_tets:
  * triangles in a treelet at most; flat: triangles whose vertices are on a line.
  *
@@ -32,6 +34,7 @@ enum {
 /* Where the parts of a treelet's payloads begin, in bytes. */
 typedef struct triangle_shape {
     uint32_t triangles, vertices;
+    uint32_t normals;                                  /* 0, or as many as vertices */
     uint32_t place_bytes, topology_bytes, value_bytes; /* rows begin where places end */
 } triangle_shape;
 
@@ -45,10 +48,19 @@ static inline uint32_t triangle_rows_bytes(const triangle_shape *s) {
     return s->triangles * TRIANGLE_CORNERS * (uint32_t)sizeof(uint16_t);
 }
 
+/* Of positions and normals, without what fills them up. */
+static inline uint32_t triangle_place_bytes(const triangle_shape *s) {
+    return s->vertices * (uint32_t)sizeof(float[3]) + s->normals * (uint32_t)sizeof(uint32_t);
+}
+
 /* The parts. topology, places: a treelet's payloads. */
 static inline const float *triangle_coordinates(const triangle_shape *s, const void *places,
                                                 int axis) {
     return (const float *)places + (size_t)axis * s->vertices;
+}
+/* NULL: it has no normals. */
+static inline const uint32_t *triangle_place_normals(const triangle_shape *s, const void *places) {
+    return s->normals ? (const uint32_t *)places + 3 * (size_t)s->vertices : NULL;
 }
 static inline const uint16_t (*triangle_rows(const triangle_shape *s, const void *topology))[3] {
     return (const uint16_t(*)[3])(const void *)((const char *)topology + s->place_bytes);
@@ -61,6 +73,9 @@ bool triangle_is_flat(const float p[3][3]);
 static inline const leaf_cells_directory *triangle_directory_of(const leaf_file *f) {
     return f->besides;
 }
+
+/* triangle_have_normals() - whether some of a file's vertices have. */
+bool triangle_have_normals(const leaf_file *f);
 
 extern const leaf_geometry triangle_geometry;
 

@@ -2,6 +2,7 @@
 
 #include "formats/leaf/places_verify.h"
 #include "formats/leaf/triangle_geometry.h"
+#include "formats/leaf/triangle_normal.h"
 
 /* A treelet while it is checked. */
 typedef struct subject {
@@ -28,14 +29,24 @@ static status check_rows(const subject *s, const char *topology) {
                               shape->topology_bytes);
 }
 
+static status check_normals(const subject *s) {
+    const uint32_t *normals = triangle_place_normals(&s->shape, s->of.places);
+    for (uint32_t n = 0; n < s->shape.normals; n++)
+        if (!triangle_normal_is_code(normals[n]))
+            return places_wrong(&s->of, (3 * (size_t)s->shape.vertices + n) * sizeof(uint32_t),
+                                "a normal is none");
+    return ST_OK;
+}
+
 static status check_places(subject *s, uint32_t step) {
     const leaf_layout *l = &s->of.f->layout;
     const uint32_t place = leaf_layout_place(l, step), t = s->of.t;
     s->of.payload = place ? leaf_layout_positions(l, place, t) : t;
-    const status st = places_check_box(
+    status st = places_check_box(
         &s->of, triangle_directory_of(s->of.f)->bounds[leaf_layout_bounds(l, step, t)]);
-    return st == ST_OK ? places_check_zeros(&s->of, s->of.places,
-                                            s->shape.vertices * (uint32_t)sizeof(float[3]),
+    if (st == ST_OK)
+        st = check_normals(s);
+    return st == ST_OK ? places_check_zeros(&s->of, s->of.places, triangle_place_bytes(&s->shape),
                                             s->shape.place_bytes)
                        : st;
 }

@@ -25,6 +25,8 @@ status mesh_feed_begin(mesh_feed *f, mem *m, const char *name, uint32_t fields,
     else
         f->tets = mem_array(m, MESH_FEED_CHUNK, sizeof *f->tets);
     f->columns = mem_array(m, fields, sizeof *f->columns);
+    if (sink->normals && !(f->normals = mem_array(m, MESH_FEED_CHUNK, sizeof *f->normals)))
+        return ST_NOMEM;
     if (!f->xyz || !(f->tets || f->whole || f->triangles) || !f->columns)
         return ST_NOMEM;
     for (uint32_t k = 0; k < fields; k++)
@@ -44,6 +46,7 @@ void mesh_feed_release(mesh_feed *f) {
         mem_free(f->m, f->columns[k].values);
     mem_free(f->m, f->columns);
     mem_free(f->m, f->xyz);
+    mem_free(f->m, f->normals);
     mem_free(f->m, f->tets);
     mem_free(f->m, f->whole);
     mem_free(f->m, f->triangles);
@@ -120,6 +123,23 @@ static status flush_values(mesh_feed *f, uint32_t field) {
     c->given += count;
     c->held = 0;
     return f->sink->values(f->sink->ctx, first, count, c->values);
+}
+
+static status flush_normals(mesh_feed *f) {
+    const size_t count = f->normals_held;
+    const uint64_t first = f->normals_given;
+    if (count == 0)
+        return ST_OK;
+    f->normals_given += count;
+    f->normals_held = 0;
+    f->report->normals += count;
+    return f->sink->normals(f->sink->ctx, first, count, f->normals);
+}
+
+status mesh_feed_normal(mesh_feed *f, uint32_t code) {
+    assert(f->normals && f->normals_given + f->normals_held < f->points);
+    f->normals[f->normals_held++] = code;
+    return f->normals_held == MESH_FEED_CHUNK ? flush_normals(f) : ST_OK;
 }
 
 status mesh_feed_keep(mesh_feed *f, uint64_t count) {
@@ -432,5 +452,8 @@ status mesh_feed_end(mesh_feed *f) {
         st = flush_values(f, k);
         assert(st != ST_OK || f->columns[k].given == f->points);
     }
+    if (st == ST_OK)
+        st = flush_normals(f);
+    assert(st != ST_OK || f->normals_given == 0 || f->normals_given == f->points);
     return st == ST_OK ? flush_tets(f) : st;
 }

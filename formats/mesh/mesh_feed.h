@@ -51,6 +51,9 @@ typedef struct mesh_feed {
     float (*xyz)[3];
     mesh_feed_column *columns; /* of the fields */
     uint32_t fields;
+    uint32_t *normals; /* if the sink takes them */
+    size_t normals_held;
+    uint64_t normals_given; /* to the sink */
     uint32_t (*tets)[4];
     uint32_t (*whole)[CELL_ROW]; /* instead, if the sink takes cells */
     uint32_t (*triangles)[3];    /* instead, if the sink takes triangles */
@@ -97,6 +100,14 @@ CHECKED status mesh_feed_points(mesh_feed *f, const float (*xyz)[3], size_t coun
 /* Feed the next values of a field (0, 1, ..), in order of id; never more than there are points. */
 CHECKED status mesh_feed_value(mesh_feed *f, uint32_t field, double value);
 CHECKED status mesh_feed_values(mesh_feed *f, uint32_t field, const float *values, size_t count);
+
+/* mesh_feed_takes_normals() - whether the sink takes normals of points.
+ * mesh_feed_normal() - feed the next one (triangle_normal.h), in order of id; if any, then as many
+ * as points. */
+static inline bool mesh_feed_takes_normals(const mesh_feed *f) {
+    return f->normals != NULL;
+}
+CHECKED status mesh_feed_normal(mesh_feed *f, uint32_t code);
 
 /* mesh_feed_zeros() - feed 0 for all values: the mesh has no field. */
 CHECKED status mesh_feed_zeros(mesh_feed *f);

@@ -35,6 +35,9 @@ typedef struct mesh_sink {
     /* Taken in the place of tets by inputs that are surfaces: three ids, each a point's; all
      * different. */
     status (*triangles)(void *ctx, size_t count, const uint32_t (*ids)[3]);
+    /* NULL, or taken beside triangles where the file has them: the normals of the points
+     * (triangle_normal.h), in order, all of them or none. */
+    status (*normals)(void *ctx, uint64_t first, size_t count, const uint32_t *codes);
     bool corners; /* tets() takes quadratic ones, too, as linear ones of their corners; else they
                      are refused without cells() */
 } mesh_sink;
@@ -58,6 +61,7 @@ typedef struct mesh_report {
     uint64_t points, tets;       /* handed over; of surfaces, `tets` counts triangles */
     uint64_t split[CELL_SPLIT_SHAPES]; /* by cell_shape: cells that were split; `tets` counts the
                                           tets they gave */
+    uint64_t normals;     /* of points, that the file has; those without a direction, too */
     uint64_t polyhedra;   /* cells of many faces, handed over in parts (mesh_polyhedron.h), which
                              `tets` counts */
     uint64_t polygons;    /* of four or more corners, which were cut into triangles */

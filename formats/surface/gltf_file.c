@@ -317,6 +317,13 @@ static status get_arrays(const scan *s, const json_t *primitive, gltf_part *p) {
     if (st == ST_OK && p->colours.path && p->colours.count != p->positions.count)
         return fault(s, ST_CORRUPT, "COLOR_0 of %llu vertices, expected %llu",
                      (unsigned long long)p->colours.count, (unsigned long long)p->positions.count);
+    if (st == ST_OK && json_object_get(has, "NORMAL"))
+        st = get_array(s, has, "a primitive", "NORMAL", &p->normals);
+    if (st == ST_OK && p->normals.path && !is_position(&p->normals))
+        return fault(s, ST_CORRUPT, "NORMAL that is no vectors of three floats");
+    if (st == ST_OK && p->normals.path && p->normals.count != p->positions.count)
+        return fault(s, ST_CORRUPT, "NORMAL of %llu vertices, expected %llu",
+                     (unsigned long long)p->normals.count, (unsigned long long)p->positions.count);
     if (st == ST_OK && json_object_get(primitive, "indices"))
         st = get_array(s, primitive, "a primitive", "indices", &p->indices);
     if (st == ST_OK && p->indices.path && !is_index(&p->indices))

@@ -26,6 +26,7 @@ typedef enum gltf_mode { GLTF_TRIANGLES = 4, GLTF_STRIP = 5, GLTF_FAN = 6 } gltf
 /* A primitive at one of its places. */
 typedef struct gltf_part {
     gltf_array positions; /* 3 f32 */
+    gltf_array normals;   /* 3 f32 */
     gltf_array colours;   /* 3 or 4 f32, u8 or u16 */
     gltf_array indices;   /* 1 u8, u16 or u32 */
     gltf_mode mode;

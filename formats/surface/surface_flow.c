@@ -4,11 +4,13 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/leaf/triangle_normal.h"
+
 /* ---- pieces ---- */
 
 status surface_flow_piece(surface_flow *f, uint64_t points) {
     f->count = points;
-    f->held = 0;
+    f->held = f->normals_held = 0;
     for (uint32_t k = 0; f->apart && k < f->choice->taken_count; k++)
         f->columns[k].count = 0;
     return f->averaged ? mesh_average_begin(&f->sums, f->m, points, f->choice->taken_count) : ST_OK;
@@ -44,6 +46,29 @@ status surface_flow_value(surface_flow *f, uint32_t k, double value) {
     return st;
 }
 
+/* ---- normals ---- */
+
+static status put_normal(surface_flow *f, uint32_t code) {
+    if (!f->apart)
+        return mesh_feed_normal(f->feed, code);
+    status st =
+        mem_grow(f->m, &f->normals, sizeof *f->normals, f->normals_held, 1024, &f->normals_room);
+    if (st == ST_OK)
+        f->normals[f->normals_held++] = code;
+    return st;
+}
+
+status surface_flow_normal(surface_flow *f, const double normal[3]) {
+    return put_normal(f, triangle_normal_encode(normal));
+}
+
+status surface_flow_no_normals(surface_flow *f, uint64_t count) {
+    status st = ST_OK;
+    for (uint64_t i = 0; st == ST_OK && i < count; i++)
+        st = put_normal(f, TRIANGLE_NO_NORMAL);
+    return st;
+}
+
 /* ---- faces with points of their own ---- */
 
 static double value_of(const surface_flow *f, uint32_t k, uint64_t id, const double *values) {
@@ -73,6 +98,8 @@ static status feed_apart(surface_flow *f, const uint64_t ids[3], const double *v
     for (uint32_t k = 0; k < f->choice->taken_count; k++)
         for (int c = 0; st == ST_OK && c < 3; c++)
             st = mesh_feed_value(f->feed, k, value_of(f, k, ids[c], values));
+    for (int c = 0; st == ST_OK && c < 3 && f->normals_held == f->held; c++)
+        st = mesh_feed_normal(f->feed, f->normals[ids[c]]);
     return st == ST_OK ? mesh_feed_triangle(f->feed, own) : st;
 }
 
@@ -158,6 +185,7 @@ void surface_flow_expect_polygons(const surface_choice *choice, mesh_feed *feed)
 static void release(surface_flow *f) {
     mesh_average_release(&f->sums);
     mem_free(f->m, f->xyz);
+    mem_free(f->m, f->normals);
     for (uint32_t k = 0; f->columns && k < f->choice->taken_count; k++)
         mem_free(f->m, f->columns[k].values);
     mem_free(f->m, f->columns);

@@ -35,6 +35,8 @@ typedef struct surface_flow {
     mesh_average sums;
     float (*xyz)[3]; /* apart: of the piece */
     size_t held, room;
+    uint32_t *normals; /* apart: of its points, if it has any */
+    size_t normals_held, normals_room;
     surface_column *columns; /* apart: the points' values, a column for each field that is taken */
     mesh_polygon_room polygon;
 } surface_flow;
@@ -63,6 +65,13 @@ CHECKED status surface_flow_end_piece(surface_flow *f);
  */
 CHECKED status surface_flow_point(surface_flow *f, const double xyz[3]);
 CHECKED status surface_flow_value(surface_flow *f, uint32_t k, double value);
+
+/* surface_flow_normal() - put the normal of the next point, of any length, or without a direction:
+ * if any, then of all points of all pieces; before the faces where surface_choice_apart(). Only if
+ * the feed takes normals (mesh_feed_takes_normals()). surface_flow_no_normals() - put `count` that
+ * are none. */
+CHECKED status surface_flow_normal(surface_flow *f, const double normal[3]);
+CHECKED status surface_flow_no_normals(surface_flow *f, uint64_t count);
 
 /* Put a face. values: of the fields taken; those of the points are not looked at; may be NULL when
  * there is none of faces. Ids that are invalid, and corners that repeat, count in the report; so do

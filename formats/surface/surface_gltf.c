@@ -5,6 +5,7 @@
 
 #include "formats/base/portable_math.h"
 #include "formats/base/text.h"
+#include "formats/base/vec3.h"
 #include "formats/input/binary_fields.h"
 #include "formats/surface/gltf_file.h"
 #include "formats/surface/surface_colour.h"
@@ -66,6 +67,39 @@ static status read_points(const gltf *g, const gltf_part *p, surface_flow *flow)
             to[a] = p->to[a][0] * at[0] + p->to[a][1] * at[1] + p->to[a][2] * at[2] + p->to[a][3];
         if (st == ST_OK)
             st = surface_flow_point(flow, to);
+    }
+    byte_stream_close(e.s);
+    return st;
+}
+
+static bool has_normals(const gltf *g) {
+    bool any = false;
+    for (size_t i = 0; i < g->file.count; i++)
+        any = any || g->file.parts[i].normals.path;
+    return any;
+}
+
+/* Normals go by the inverse transpose: its rows are cross products of the placement's. */
+static void place_normal(const gltf_part *p, const double normal[3], double to[3]) {
+    for (int a = 0; a < 3; a++) {
+        double row[3];
+        vec3_cross(p->to[(a + 1) % 3], p->to[(a + 2) % 3], row);
+        to[a] = (p->mirrored ? -1.0 : 1.0) * vec3_dot(row, normal);
+    }
+}
+
+static status read_normals(const gltf *g, const gltf_part *p, surface_flow *flow) {
+    elements e;
+    double normal[4], to[3];
+    if (!p->normals.path)
+        return surface_flow_no_normals(flow, p->positions.count);
+    status st = open_elements(g->m, &p->normals, &e);
+    for (uint64_t i = 0; st == ST_OK && i < p->normals.count; i++) {
+        st = next_element(&e, normal);
+        if (st == ST_OK) {
+            place_normal(p, normal, to);
+            st = surface_flow_normal(flow, to);
+        }
     }
     byte_stream_close(e.s);
     return st;
@@ -151,6 +185,8 @@ static status pass(void *state, surface_flow *flow) {
         st = surface_flow_piece(flow, p->positions.count);
         if (st == ST_OK)
             st = read_points(g, p, flow);
+        if (st == ST_OK && mesh_feed_takes_normals(flow->feed) && has_normals(g))
+            st = read_normals(g, p, flow);
         for (uint32_t k = 0; st == ST_OK && k < g->choice.taken_count; k++)
             st = read_colours(g, p, k, flow);
         if (st == ST_OK)

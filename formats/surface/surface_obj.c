@@ -6,6 +6,7 @@
 
 #include "formats/base/text.h"
 #include "formats/input/text_number.h"
+#include "formats/surface/obj_normals.h"
 #include "formats/surface/surface_colour.h"
 #include "formats/surface/surface_flow.h"
 
@@ -20,6 +21,7 @@ typedef struct obj {
     uint64_t number;     /* of the line, from 1 */
     char *held;          /* the first vertex's statement, read by open() */
     uint64_t points;
+    obj_normals normals;
     uint64_t *ids;
     size_t corners, room;
     uint64_t highest, highest_line; /* of the faces' vertices: the largest number, from 1 */
@@ -124,18 +126,34 @@ static status put_vertex(obj *o, surface_flow *flow, char *at) {
     if (st == ST_OK)
         st = surface_flow_point(flow, numbers);
     o->points++;
+    const double colour =
+        count >= 6 ? surface_colour_value(numbers + count - 3, 1) : (double)0xffffff;
     for (uint32_t k = 0; st == ST_OK && k < o->choice.taken_count; k++)
-        st = surface_flow_value(
-            flow, k, count >= 6 ? surface_colour_value(numbers + count - 3, 1) : (double)0xffffff);
-    return st;
+        st = surface_flow_value(flow, k, colour);
+    return st == ST_OK ? obj_normals_vertex(&o->normals, numbers, colour) : st;
+}
+
+/* Of any length; more numbers than three are passed over. */
+static status put_normal(obj *o, char *at) {
+    double normal[3];
+    for (int a = 0; a < 3; a++) {
+        const char *word = next_word(&at);
+        if (!word || !text_number_double(word, &normal[a]))
+            return fault(o, "\"%.60s\", expected vn and 3 numbers", word ? word : "");
+    }
+    return obj_normals_add(&o->normals, normal);
 }
 
 /* ---- faces ---- */
 
-/* Returns whether a word is "7", "7/8", "7/8/9" or "7//9"; *id: its first number. */
-static bool parse_corner(char *word, int64_t *id) {
-    char *slash = strchr(word, '/');
+/* Returns whether a word is "7", "7/8", "7/8/9" or "7//9"; *id: its first number; *normal: its
+ * third one, or 0. */
+static bool parse_corner(char *word, int64_t *id, int64_t *normal) {
+    char *slash = strchr(word, '/'), *third = slash ? strchr(slash + 1, '/') : NULL;
+    *normal = 0;
     if (slash && strspn(slash, "/-0123456789") != strlen(slash))
+        return false;
+    if (third && third[1] && !text_number_int(third + 1, INT64_MIN / 2, INT64_MAX / 2, normal))
         return false;
     if (slash)
         *slash = 0;
@@ -153,11 +171,32 @@ static uint64_t id_of(obj *o, int64_t number) {
     return number > 0 ? (uint64_t)number - 1 : UINT64_MAX;
 }
 
+/* Set the id of a corner to that of the point with its normal. */
+static status take_normal(obj *o, int64_t number, uint64_t *id) {
+    const uint64_t count = o->normals.count, back = (uint64_t)-number;
+    uint64_t normal = UINT64_MAX;
+    if (count == 0)
+        return ST_OK;
+    if (o->highest > o->points)
+        return fault(o,
+                     "a face of vertex %llu of %llu so far, expected vertices before faces, as "
+                     "there are normals",
+                     (unsigned long long)o->highest, (unsigned long long)o->points);
+    if (number > 0)
+        normal = (uint64_t)number - 1;
+    else if (number < 0 && back <= count)
+        normal = count - back;
+    if (number != 0 && normal >= count)
+        return fault(o, "normal %lld of a face, expected one of %llu before it", (long long)number,
+                     (unsigned long long)count);
+    return obj_normals_point(&o->normals, *id, normal, id);
+}
+
 static status put_face(obj *o, surface_flow *flow, char *at) {
     char *word;
     for (o->corners = 0; (word = next_word(&at));) {
-        int64_t number;
-        if (!parse_corner(word, &number))
+        int64_t number, normal;
+        if (!parse_corner(word, &number, &normal))
             return fault(o, "\"%.60s\", expected the number of a vertex, as 7, 7/8, 7/8/9 or 7//9",
                          word);
         if (o->corners == SURFACE_CORNERS_MAX)
@@ -165,7 +204,10 @@ static status put_face(obj *o, surface_flow *flow, char *at) {
         status st = mem_grow(o->m, &o->ids, sizeof *o->ids, o->corners, 16, &o->room);
         if (st != ST_OK)
             return st;
-        o->ids[o->corners++] = id_of(o, number);
+        o->ids[o->corners] = id_of(o, number);
+        st = take_normal(o, normal, &o->ids[o->corners++]);
+        if (st != ST_OK)
+            return st;
     }
     return o->corners >= 3 ? surface_flow_polygon(flow, o->ids, o->corners, NULL)
                            : fault(o, "a face of %zu corners, expected 3 or more", o->corners);
@@ -178,6 +220,8 @@ static status put_statement(obj *o, surface_flow *flow, char *at) {
         return ST_OK;
     if (strcmp(word, "v") == 0)
         return put_vertex(o, flow, at);
+    if (strcmp(word, "vn") == 0)
+        return put_normal(o, at);
     if (strcmp(word, "f") == 0 || strcmp(word, "fo") == 0)
         return put_face(o, flow, at);
     for (size_t i = 0; i < sizeof skipped / sizeof *skipped; i++)
@@ -264,6 +308,7 @@ static status pass(void *state, surface_flow *flow) {
     obj *o = state;
     char *text = o->held;
     status st = surface_flow_piece(flow, UINT64_MAX);
+    obj_normals_begin(&o->normals, o->m, flow, o->choice.taken_count > 0);
     while (st == ST_OK && text) {
         st = put_statement(o, flow, text);
         if (st == ST_OK)
@@ -271,6 +316,8 @@ static status pass(void *state, surface_flow *flow) {
     }
     if (st == ST_OK)
         st = check_faces(o);
+    if (st == ST_OK)
+        st = obj_normals_end(&o->normals);
     return st == ST_OK ? surface_flow_end_piece(flow) : st;
 }
 
@@ -287,6 +334,7 @@ static void close_file(void *state) {
     surface_choice_release(&o->choice);
     byte_stream_line_release(&o->line);
     byte_stream_line_release(&o->statement);
+    obj_normals_release(&o->normals);
     mem_free(o->m, o->ids);
     mem_free(o->m, o);
 }

@@ -43,6 +43,7 @@ typedef struct ply_element {
     int corners;           /* the list of them, from `first`; -1: none */
     int axes[3];           /* properties x, y, z likewise */
     int rgb[3];            /* red, green, blue */
+    int normal[3];         /* nx, ny, nz */
     int row;               /* bytes of a binary row; 0: it has lists */
 } ply_element;
 
@@ -118,7 +119,7 @@ static status read_element(ply *p) {
     ply_element *e = &p->elements[p->element_count++];
     *e = (ply_element){.first = p->property_count, .corners = -1};
     for (int a = 0; a < 3; a++)
-        e->axes[a] = e->rgb[a] = -1;
+        e->axes[a] = e->rgb[a] = e->normal[a] = -1;
     status st = read_word(&p->t, "the name of an element", e->name, sizeof e->name);
     if (st == ST_OK)
         st = text_tokens_int(&p->t, "the number of such elements", 0, (int64_t)1 << 40, &e->count);
@@ -131,13 +132,15 @@ static status read_element(ply *p) {
 
 /* Note what a property is for, by its name. */
 static void note_use(ply_element *e, const ply_property *q, int number) {
-    static const char *const axes[3] = {"x", "y", "z"}, *const colours[3] = {"red", "green",
-                                                                             "blue"};
+    static const char *const axes[3] = {"x", "y", "z"}, *const normal[3] = {"nx", "ny", "nz"},
+                             *const colours[3] = {"red", "green", "blue"};
     for (int a = 0; a < 3; a++) {
         if (!q->list && strcmp(q->name, axes[a]) == 0)
             e->axes[a] = number;
         if (!q->list && strcmp(q->name, colours[a]) == 0)
             e->rgb[a] = number;
+        if (!q->list && strcmp(q->name, normal[a]) == 0)
+            e->normal[a] = number;
     }
     if (q->list && (strcmp(q->name, "vertex_indices") == 0 || strcmp(q->name, "vertex_index") == 0))
         e->corners = number;
@@ -431,9 +434,17 @@ static double field_value(const ply *p, const ply_element *e, const surface_fiel
     return surface_colour_value(rgb, types[p->properties[e->first + e->rgb[0]].type].most);
 }
 
+static bool has_normals(const ply_element *e) {
+    return e->normal[0] >= 0 && e->normal[1] >= 0 && e->normal[2] >= 0;
+}
+
 static status put_vertex(ply *p, const ply_element *e, surface_flow *flow) {
     const double xyz[3] = {p->row[e->axes[0]], p->row[e->axes[1]], p->row[e->axes[2]]};
     status st = surface_flow_point(flow, xyz);
+    if (st == ST_OK && has_normals(e) && mesh_feed_takes_normals(flow->feed)) {
+        const double normal[3] = {p->row[e->normal[0]], p->row[e->normal[1]], p->row[e->normal[2]]};
+        st = surface_flow_normal(flow, normal);
+    }
     for (uint32_t k = 0; st == ST_OK && k < p->choice.taken_count; k++) {
         const surface_field *f = surface_choice_taken(&p->choice, k);
         if (!f->of_faces)

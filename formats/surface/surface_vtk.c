@@ -173,6 +173,45 @@ static status read_points(surface_vtk *v, const surface_vtk_piece *p, surface_fl
     return st;
 }
 
+/* Whether an array is the normals of points: the attribute of that name, or by its own name. */
+static const vtk_array *normals_of(const surface_vtk_piece *p) {
+    const vtk_array *found = NULL;
+    for (size_t i = 0; i < p->fields.count[VTK_OF_POINTS]; i++) {
+        const vtk_array *a = &p->fields.items[VTK_OF_POINTS][i];
+        if (a->components != 3 || !vtk_array_width(a->type))
+            continue;
+        if (a->normal)
+            return a;
+        found = strcmp(a->name, "Normals") == 0 ? a : found;
+    }
+    return found;
+}
+
+static bool has_normals(const surface_vtk *v) {
+    bool any = false;
+    for (size_t i = 0; i < v->count; i++)
+        any = any || (v->pieces[i].points > 0 && normals_of(&v->pieces[i]));
+    return any;
+}
+
+static status read_normals(surface_vtk *v, const surface_vtk_piece *p, surface_flow *flow) {
+    const vtk_array *of = normals_of(p);
+    vtk_cursor *c = NULL;
+    if (!of)
+        return surface_flow_no_normals(flow, p->points);
+    status st = vtk_cursor_open(v->m, of, 3 * p->points, &c);
+    for (uint64_t i = 0; st == ST_OK && i < p->points; i++) {
+        double normal[3];
+        st = vtk_cursor_doubles(c, 3, normal);
+        if (st == ST_OK)
+            st = surface_flow_normal(flow, normal);
+    }
+    if (st == ST_OK && c)
+        st = vtk_cursor_finish(c);
+    vtk_cursor_close(c);
+    return st;
+}
+
 /* The numbers of one field of a piece, a tuple at a time. */
 typedef struct values {
     const vtk_array *array;
@@ -395,6 +434,8 @@ static status read_piece(surface_vtk *v, const surface_vtk_piece *p, surface_flo
     status st = surface_flow_piece(flow, p->points);
     if (st == ST_OK)
         st = read_points(v, p, flow);
+    if (st == ST_OK && p->points > 0 && mesh_feed_takes_normals(flow->feed) && has_normals(v))
+        st = read_normals(v, p, flow);
     for (uint32_t k = 0; st == ST_OK && p->points > 0 && k < v->choice.taken_count; k++)
         if (!surface_choice_taken(&v->choice, k)->of_faces)
             st = read_values(v, p, k, flow);

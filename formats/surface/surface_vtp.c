@@ -1,5 +1,6 @@
 #include "formats/surface/surface_vtp.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "formats/base/text.h"
@@ -21,6 +22,7 @@ enum {
 typedef struct scan {
     surface_vtk *to;
     surface_vtk_piece *piece;
+    char normals[VTK_NAME_MAX]; /* the points' array of that name; "": not told */
 } scan;
 
 static status on_piece(vtk_xml *x, const char **attributes) {
@@ -35,6 +37,13 @@ static status on_piece(vtk_xml *x, const char **attributes) {
         st = vtk_xml_count(x, attributes, counts[i], 0, 0, &s->piece->cells[i].count);
     }
     return st;
+}
+
+static status on_point_data(vtk_xml *x, const char **attributes) {
+    scan *s = vtk_xml_user(x);
+    const char *name = vtk_xml_attribute(attributes, "Normals");
+    snprintf(s->normals, sizeof s->normals, "%s", name ? name : "");
+    return ST_OK;
 }
 
 static status on_points(vtk_xml *x, surface_vtk_piece *p, const vtk_array *a) {
@@ -59,11 +68,14 @@ static status on_cells(vtk_xml *x, vtk_lists *c, const char *name, const vtk_arr
 
 static status on_array(vtk_xml *x, int element, const char *name, const vtk_array *a) {
     const scan *s = vtk_xml_user(x);
+    vtk_array of = *a;
     if (element == ELEMENT_POINTS)
         return on_points(x, s->piece, a);
+    of.normal = element == ELEMENT_POINT_DATA && s->normals[0] && strcmp(name, s->normals) == 0;
     if (element == ELEMENT_POINT_DATA || element == ELEMENT_CELL_DATA)
         return vtk_fields_add(&s->piece->fields, s->to->m,
-                              element == ELEMENT_CELL_DATA ? VTK_OF_CELLS : VTK_OF_POINTS, name, a);
+                              element == ELEMENT_CELL_DATA ? VTK_OF_CELLS : VTK_OF_POINTS, name,
+                              &of);
     return element >= ELEMENT_CELLS
                ? on_cells(x, &s->piece->cells[element - ELEMENT_CELLS], name, a)
                : ST_OK;
@@ -97,7 +109,7 @@ static status scan_file(surface_vtk *v) {
         {VTK_XML_FILE, "PolyData", ELEMENT_DATA, NULL},
         {ELEMENT_DATA, "Piece", ELEMENT_PIECE, on_piece},
         {ELEMENT_PIECE, "Points", ELEMENT_POINTS, NULL},
-        {ELEMENT_PIECE, "PointData", ELEMENT_POINT_DATA, NULL},
+        {ELEMENT_PIECE, "PointData", ELEMENT_POINT_DATA, on_point_data},
         {ELEMENT_PIECE, "CellData", ELEMENT_CELL_DATA, NULL},
         {ELEMENT_PIECE, "Verts", ELEMENT_CELLS + SURFACE_VTK_VERTICES, NULL},
         {ELEMENT_PIECE, "Lines", ELEMENT_CELLS + SURFACE_VTK_LINES, NULL},

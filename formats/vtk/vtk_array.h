@@ -47,6 +47,7 @@ typedef struct vtk_array {
     vtk_coding coding;
     bool big_endian;
     bool colour; /* COLOR_SCALARS of legacy files: of 0 .. 1 in text */
+    bool normal; /* the points' or cells' attribute NORMALS */
     vtk_packing packing;
     bool head64;         /* raw and base64: the numbers of the head have 64 bits, else 32 */
     uint32_t components; /* numbers a tuple; 1 or more */

@@ -184,6 +184,7 @@ static status add_array(vtk_legacy *v, char *name, vtk_type type, uint64_t compo
                         uint64_t tuples) {
     vtk_array a = array_here(v, type, "array");
     uint64_t count;
+    a.normal = vtk_legacy_says(v, "NORMALS");
     if (components < 1 || components > UINT32_MAX)
         return vtk_legacy_fault(v, ST_CORRUPT, "array \"%.60s\": %llu components", name,
                                 (unsigned long long)components);

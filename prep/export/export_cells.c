@@ -92,6 +92,7 @@ static status write_triangles(export_request *a, mem *m, leaf_file *f, piece_inf
     export_fields fields;
     cell_choice choice;
     info->given = true;
+    info->normals = triangle_have_normals(f);
     status st = choose(a, m, f, &fields, &choice, info);
     if (st == ST_OK)
         st = write_cells(a, m, &choice, &by, info);

@@ -81,6 +81,8 @@ char *piece_bytes_given(const piece_view *v, const piece_array *a, char *to) {
     for (uint32_t i = 0; i < v->owned; i++) {
         const uint32_t n = v->order[i];
         to = put_point(v, &v->p->vertex[n], to);
+        if (v->info->normals)
+            to = put_floats(to, v->p->vertex[n].normal);
         for (uint32_t k = 0; k < v->info->field_count; k++)
             to = piece_bytes_is_colour(v->info, k) ? put_colour(to, v->p->values[k][n])
                                                    : put_float(to, v->p->values[k][n]);

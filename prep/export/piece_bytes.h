@@ -7,7 +7,8 @@
 
 /* Per vertex. points: coordinates, as doubles or floats (info->floats). records: coordinates, the
  * normal in floats and, with several isovalues, the isovalue as a double. given: coordinates and
- * the values of all fields, colours as bytes. normals; isovalues; values of a field. */
+ * the values of all fields, colours as bytes, with the normal before them if it has any. normals;
+ * isovalues; values of a field. */
 char *piece_bytes_points(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_records(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_given(const piece_view *v, const piece_array *a, char *to);

@@ -7,7 +7,7 @@
 
 #include "prep/export/piece_bytes.h"
 
-enum { STL_TITLE = 80, ARRAYS = 6 };
+enum { STL_TITLE = 80, ARRAYS = 7 };
 
 void piece_layout_release(piece_layout *l) {
     for (int i = 0; i < l->count; i++)
@@ -44,7 +44,7 @@ static status finish(const piece_layout *l) {
 /* ---- PLY ---- */
 
 static size_t given_bytes(const piece_info *info) {
-    size_t bytes = point_bytes(info);
+    size_t bytes = point_bytes(info) + (info->normals ? 3 * sizeof(float) : 0);
     for (uint32_t i = 0; i < info->field_count; i++)
         bytes += piece_bytes_is_colour(info, i) ? 3 : sizeof(float);
     return bytes;
@@ -85,7 +85,7 @@ static status lay_out_ply(mem *m, const piece_info *info, piece_layout *l) {
     head_text_add(h, "element vertex %llu\n", (unsigned long long)info->vertices);
     for (int a = 0; a < 3; a++)
         head_text_add(h, "property %s %c\n", type, "xyz"[a]);
-    for (int a = 0; a < 3 && !info->given; a++)
+    for (int a = 0; a < 3 && (!info->given || info->normals); a++)
         head_text_add(h, "property float n%c\n", "xyz"[a]);
     if (many)
         head_text_add(h, "property double isovalue\n");
@@ -194,11 +194,18 @@ static status end_vtk(vtk_file *f, const char *kind) {
     return st == ST_OK ? finish(f->l) : st;
 }
 
+static void declare_normals(vtk_file *f) {
+    declare(f, "Float32", "Normals", 3,
+            (piece_array){.stride = 3 * sizeof(float), .encode = piece_bytes_normals});
+}
+
 /* The fields of all vertices, and their beginning. */
 static void declare_values(vtk_file *f) {
     head_text_add(f->h, "<PointData Scalars=\"");
     head_text_xml(f->h, f->info->fields[0]);
-    head_text_add(f->h, "\">\n");
+    head_text_add(f->h, f->info->normals ? "\" Normals=\"Normals\">\n" : "\">\n");
+    if (f->info->normals)
+        declare_normals(f);
     for (uint32_t i = 0; i < f->info->field_count; i++)
         declare(f, "Float32", f->info->fields[i], 1,
                 (piece_array){.stride = sizeof(float), .field = i, .encode = piece_bytes_values});
@@ -216,8 +223,7 @@ static status lay_out_vtp(mem *m, const piece_info *info, piece_layout *l) {
         declare_values(&f);
     } else {
         head_text_add(&h, "<PointData Normals=\"Normals\">\n");
-        declare(&f, "Float32", "Normals", 3,
-                (piece_array){.stride = 3 * sizeof(float), .encode = piece_bytes_normals});
+        declare_normals(&f);
     }
     if (info->isovalues > 1)
         declare(&f, "Float64", "isovalue", 1,

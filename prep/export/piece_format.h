@@ -15,6 +15,7 @@ typedef struct piece_info {
     const char *name; /* of the data set; "": none */
     bool floats;      /* coordinates as floats instead of doubles */
     bool given;       /* a surface with values of fields; else isosurfaces, with normals */
+    bool normals;     /* a given one has normals, too */
     uint32_t isovalues;
     const char *const *fields; /* their names */
     uint32_t field_count;

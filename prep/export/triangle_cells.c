@@ -1,5 +1,7 @@
 #include "prep/export/triangle_cells.h"
 
+#include "formats/leaf/triangle_geometry.h"
+#include "formats/leaf/triangle_normal.h"
 #include "prep/export/cell_source.h"
 #include "prep/export/hex_bench.h"
 
@@ -8,8 +10,21 @@ typedef struct bench {
     float *name; /* what a vertex's key is made from */
 } bench;
 
+enum { PLACE = 5 }; /* floats of a name: the coordinates, and both halves of the normal's code */
+
 static size_t name_of(const cell_choice *c) {
-    return 3 + (size_t)c->count;
+    return PLACE + (size_t)c->count;
+}
+
+/* Set a vertex's normal, and what tells it from others. */
+static void take_normal(const bench *b, uint32_t n, double normal[3], float name[2]) {
+    const hex_treelet *tr = &b->of.tr;
+    const triangle_shape s = triangle_shape_of(tr->f->layout.counts[tr->id]);
+    const uint32_t *codes = triangle_place_normals(&s, tr->places);
+    const uint32_t code = codes ? codes[n] : TRIANGLE_NO_NORMAL;
+    (void)triangle_normal_decode(code, normal);
+    name[0] = (float)(code & 0xffff);
+    name[1] = (float)(code >> 16);
 }
 
 uint64_t triangle_cells_worker(const cell_choice *c) {
@@ -22,7 +37,8 @@ static status add_vertex(bench *b, uint32_t n, piece *p) {
     uint32_t index;
     hex_bench_at(&b->of, n, b->name);
     for (uint32_t i = 0; i < b->of.choice->count; i++)
-        b->name[3 + i] = b->of.value[i][n];
+        b->name[PLACE + i] = b->of.value[i][n];
+    take_normal(b, n, v.normal, b->name + 3);
     for (int a = 0; a < 3; a++)
         v.at[a] = (double)b->name[a];
     const status st = piece_add_vertex(p, &v, &index);

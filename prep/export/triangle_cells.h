@@ -1,6 +1,6 @@
 /* triangle_cells.h - a surface as it is, treelet by treelet: its points, triangles and values.
  *
- * Vertices count as one if their coordinates and their values of the chosen fields are equal.
+ * Vertices count as one if their coordinates, normals and values of the chosen fields are equal.
  * Triangles keep their sides, and those without an area are kept.
  */
 #ifndef PREP_EXPORT_TRIANGLE_CELLS_H

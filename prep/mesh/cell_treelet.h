@@ -34,6 +34,7 @@ typedef struct cell_builder {
     uint32_t counts[4]; /* of the current treelet */
     float (*xyz)[3];    /* of its nodes */
     char *topology, *values;
+    mesh_pages *normals; /* of the current step: uint32_t of every node; NULL: there are none */
 } cell_builder;
 
 typedef struct cell_treelets {

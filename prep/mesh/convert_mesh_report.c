@@ -30,6 +30,8 @@ static void print_input(const convert_request *a, const cell_treelets *cells,
     for (int i = 0; i < CELL_SPLIT_SHAPES; i++)
         if (r->split[i])
             printf("split       %llu %s\n", whole(r->split[i]), kinds[i]);
+    if (r->normals)
+        printf("normals     of the file's own, at its points\n");
     if (r->polyhedra)
         printf("split       %llu polyhedra, about middles with mean values\n", whole(r->polyhedra));
     for (int i = 0; i < CELL_SHAPES; i++)
@@ -131,6 +133,8 @@ status convert_mesh_report(const convert_request *a, const cell_treelets *cells,
                            const mesh_result *r, double seconds) {
     if (a->common.json) {
         json_t *json = mesh_plan_json(cells, r);
+        if (cells && cells->corners == 3)
+            json_object_set_new(json, "normals", json_integer((json_int_t)r->report.normals));
         convert_report_set_sets(json, a, r->report.field);
         if (!a->dry_run) {
             convert_report_set_bytes(json, a, r->header.file_bytes);

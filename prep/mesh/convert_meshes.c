@@ -50,7 +50,9 @@ static void note(const convert_request *a, const void *own) {
     if (a->common.verbosity <= 0)
         return;
     mesh_input_fields(own, take_array, &c);
-    convert_choices_note(&c.choices);
+    /* Of a surface that has normals alone, nothing is taken unasked. */
+    if (c.choices.taken.text[0])
+        convert_choices_note(&c.choices);
 }
 
 /* ---- fields and steps ---- */
@@ -96,6 +98,11 @@ static status check_whole(const convert_request *a, const cell_treelets *cells) 
             return status_describe(ST_USAGE, "%s without %s",
                                    surface ? "a surface is converted" : "--whole-cells goes",
                                    without[i].what);
+    if (a->normals_are_given && !surface)
+        return status_describe(ST_USAGE,
+                               "--normals: %s is no surface of triangles; --gradients "
+                               "makes a mesh of tets smooth",
+                               a->common.input);
     const uint32_t most = cells ? cells->cells_max : a->treelet_tets;
     if (a->grow && a->treelet_tets > most)
         return status_describe(ST_UNSUPPORTED,
@@ -121,6 +128,7 @@ static status convert_mesh(convert_request *a, mem *m, mesh_input *x, const mesh
                             .threads = a->common.threads,
                             .force = a->common.force,
                             .gradients = a->gradients,
+                            .normals = (surface_normals)a->normals,
                             .cells = cells,
                             .refuse_empty = !a->allow_empty && cells != &triangle_treelets,
                             .grows = a->append,

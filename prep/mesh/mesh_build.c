@@ -17,11 +17,11 @@ typedef struct signs {
 typedef struct bench {
     mesh_treelet_builder *builder; /* or, of cells as they are: */
     cell_builder *of_cells;
-    mesh_pages input;            /* cells, as they were gathered, if these are kept */
-    uint32_t (*cells)[CELL_ROW]; /* of the treelet */
-    mesh_sah *sah;               /* NULL: trees by keys */
-    mesh_earlier earlier;        /* if the output is added to */
-    mesh_pages points, values, gradients;
+    mesh_pages input;                     /* cells, as they were gathered, if these are kept */
+    uint32_t (*cells)[CELL_ROW];          /* of the treelet */
+    mesh_sah *sah;                        /* NULL: trees by keys */
+    mesh_earlier earlier;                 /* if the output is added to */
+    mesh_pages points, values, gradients; /* gradients: or normals of a surface */
     leaf_packer *packer;
     void *pack;
     signs seen;
@@ -78,6 +78,10 @@ static status create_cells(const mesh_build *b, bench *k) {
         st = mesh_pages_init(&k->input, &b->in.g->tets, b->in.plan->cells_window);
     if (st == ST_OK)
         st = create_packer(b, k, row->coder, largest.counts, largest.topology_bytes);
+    if (st == ST_OK && b->in.g->normals.count > 0) {
+        st = mesh_pages_init(&k->gradients, &b->in.g->normals, b->in.plan->gradients_window);
+        k->of_cells->normals = &k->gradients;
+    }
     k->cells = mem_array(b->m, most, sizeof *k->cells);
     return st == ST_OK && !k->cells ? ST_NOMEM : st;
 }
@@ -265,6 +269,7 @@ static status fetch_cells(const mesh_build *b, bench *k, const mesh_record *reco
 static status place_cells(const mesh_build *b, bench *k, uint32_t treelet, uint32_t step,
                           cell_treelet *t) {
     k->points.first = mesh_gather_points(b->in.g, step);
+    k->gradients.first = mesh_gather_normals(b->in.g, step);
     const status st = b->in.o->cells->place(k->of_cells, &k->points, step, t);
     if (st != ST_OK)
         return st;

@@ -12,7 +12,7 @@ mesh_conversion mesh_conversion_of(mem *m, mesh_gather *g, const char *name, con
         c.o.file.histograms = false;
     mesh_spool_init(&c.gradients, m, output, sizeof(float[3]), 0);
     c.gradients.p = p;
-    if (o->work)
+    if (o->work && o->gradients)
         mesh_spool_keep_in(&c.gradients, o->work, WORK_GRADIENTS);
     return c;
 }
@@ -107,7 +107,8 @@ static status keep_input(mesh_conversion *c, state_io *io) {
     c->report->field[MESH_NAME_MAX] = '\0';
     /* All has been read: the plan says what is in memory. */
     if (st == ST_OK && state_io_loads(io) && c->stage != MESH_READING)
-        c->g->points.ceiling = c->g->values.ceiling = c->g->tets.ceiling = 0;
+        c->g->points.ceiling = c->g->values.ceiling = c->g->tets.ceiling = c->g->normals.ceiling =
+            0;
     return st == ST_OK ? mesh_gather_keep(c->g, io) : st;
 }
 
@@ -144,7 +145,21 @@ static uint64_t gradients_count(const mesh_conversion *c) {
     return c->bands / per_set * all + rest * band;
 }
 
+/* The normals that are there after c->bands bands. */
+static uint64_t normals_count(const mesh_conversion *c) {
+    const uint64_t all = c->g->vertices, band = c->plan.normals.band;
+    const uint64_t each = (all + band - 1) / band, rest = c->bands % each;
+    return c->bands / each * all + rest * band;
+}
+
+static status keep_normals(mesh_conversion *c, state_io *io) {
+    const status st = STATE_IO(io, c->bands);
+    return st == ST_OK && c->g->normals.count != normals_count(c) ? state_io_fault(io) : st;
+}
+
 static status keep_gradients(mesh_conversion *c, state_io *io) {
+    if (mesh_options_make_normals(&c->o))
+        return keep_normals(c, io);
     if (!c->o.gradients)
         return ST_OK;
     status st = STATE_IO(io, c->bands);
@@ -196,7 +211,8 @@ static status keep(void *ctx, state_io *io) {
 static bool is_kept(const mesh_conversion *c) {
     const mesh_gather *g = c->g;
     return c->o.work && (g->steps > 1 || c->plan.spill_bytes > 0 || !mesh_spool_held(&g->points) ||
-                         !mesh_spool_held(&g->values) || !mesh_spool_held(&g->tets));
+                         !mesh_spool_held(&g->values) || !mesh_spool_held(&g->tets) ||
+                         !mesh_spool_held(&g->normals));
 }
 
 /* Remove the file of tets once they are sorted. No state may need it. */
@@ -230,7 +246,8 @@ static status save_stored(mesh_conversion *c) {
     const uint64_t states = work_folder_states(c->o.work);
     out_file *files[WORK_FILES] = {0};
     mesh_gather_files(c->g, files);
-    files[WORK_GRADIENTS] = mesh_spool_file(&c->gradients);
+    if (c->o.gradients)
+        files[WORK_GRADIENTS] = mesh_spool_file(&c->gradients);
     files[WORK_RUNS] = c->runs ? mesh_runs_file(c->runs) : NULL;
     if (c->writer)
         leaf_writer_files(c->writer, files);

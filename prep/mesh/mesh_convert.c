@@ -34,6 +34,8 @@ static status spill(mesh_conversion *c) {
         st = mesh_spool_spill(&c->g->points);
     if (st == ST_OK && c->plan.spill_points)
         st = mesh_spool_spill(&c->g->values);
+    if (st == ST_OK && c->plan.spill_points && c->g->normals.count > 0)
+        st = mesh_spool_spill(&c->g->normals);
     return st;
 }
 
@@ -172,12 +174,53 @@ static status make_gradients(mesh_conversion *c) {
     return st;
 }
 
+/* ---- normals ---- */
+
+/* Make the normals of the next band. all: the bands of all steps. */
+static status make_band(mesh_conversion *c, mesh_normals *making, uint64_t all) {
+    mesh_batches *b = &c->batches;
+    const uint64_t bands = mesh_normals_bands(making);
+    status st = mesh_normals_begin(making, c->bands % bands,
+                                   mesh_gather_points(c->g, (uint32_t)(c->bands / bands)));
+    if (st == ST_OK)
+        st = mesh_batches_rewind(b);
+    while (st == ST_OK && mesh_batches_more(b)) {
+        st = mesh_batches_next(b);
+        if (st == ST_OK)
+            st = mesh_normals_add(making, b->records, b->first[b->count]);
+        if (st == ST_OK)
+            st = mesh_conversion_tell(c, "normals", SORT_END, GRADIENTS_END,
+                                      ((double)c->bands + pass_done(c)) / (double)all);
+    }
+    return st == ST_OK ? mesh_normals_end(making, &c->g->normals) : st;
+}
+
+/* Make the normals of all vertices, at each step at which they are elsewhere. */
+static status make_normals(mesh_conversion *c) {
+    mesh_gather *g = c->g;
+    mesh_normals making;
+    status st = c->plan.spill_gradients ? mesh_spool_spill(&g->normals) : ST_OK;
+    if (st != ST_OK)
+        return st;
+    st = mesh_normals_init(&making, c->m, &g->points, g->vertices, &c->plan.normals);
+    const uint64_t all = mesh_normals_bands(&making) * (g->moving ? g->steps : 1);
+    while (st == ST_OK && c->bands < all) {
+        st = make_band(c, &making, all);
+        c->bands++;
+        if (st == ST_OK)
+            st = mesh_conversion_save(c);
+    }
+    mesh_normals_release(&making);
+    return st;
+}
+
 /* ---- building ---- */
 
 /* Build the steps from c->first_step to before c->end_step of the treelets from here on. */
 static status build_pass(mesh_conversion *c) {
     mesh_batches *b = &c->batches;
-    const double from = c->o.gradients ? GRADIENTS_END : SORT_END;
+    const double from =
+        c->o.gradients || mesh_options_make_normals(&c->o) ? GRADIENTS_END : SORT_END;
     const uint32_t steps = c->end_step - c->first_step;
     status st = ST_OK;
     while (st == ST_OK && mesh_batches_more(b)) {
@@ -239,6 +282,8 @@ static status build_treelets(mesh_conversion *c) {
         st = check_growth(c);
     if (st == ST_OK && c->o.gradients && c->stage != MESH_BUILDING)
         st = make_gradients(c);
+    if (st == ST_OK && mesh_options_make_normals(&c->o) && c->stage != MESH_BUILDING)
+        st = make_normals(c);
     if (st == ST_OK && c->stage != MESH_BUILDING)
         st = mesh_conversion_begin_writer(c);
     c->stage = MESH_BUILDING;
@@ -281,8 +326,11 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
     if (split)
         snprintf(cells, sizeof cells, ", %llu cells split", (unsigned long long)split);
     if (o->cells) {
-        snprintf(text, size, "leafcast %s convert, from %s: Morton treelets of %u %s, %s",
-                 LEAFCAST_VERSION, steps, o->treelet_tets, o->cells->cells, codec);
+        const char *normals = mesh_options_make_normals(o) ? ", smooth normals"
+                              : r->normals > 0             ? ", normals of its own"
+                                                           : "";
+        snprintf(text, size, "leafcast %s convert, from %s: Morton treelets of %u %s%s, %s",
+                 LEAFCAST_VERSION, steps, o->treelet_tets, o->cells->cells, normals, codec);
         return;
     }
     snprintf(text, size,
@@ -385,6 +433,7 @@ static status plan_counted(mem *m, mesh_input *x, const mesh_options *o, const p
     mesh_gather_init(&g, m, "", 0, p);
     if (o->cells)
         mesh_gather_cells(&g, o->cells->corners);
+    g.takes_normals = mesh_options_take_normals(o);
     begin_reading(&g, x, o);
     const mesh_sink sink = mesh_gather_counter(&g);
     while (st == ST_OK && g.done < g.steps)
@@ -418,6 +467,7 @@ status mesh_convert_run(mem *m, mesh_input *x, const char *output, const mesh_op
     g.share = mesh_conversion_share(o) * READ_END;
     if (o->cells)
         mesh_gather_cells(&g, o->cells->corners);
+    g.takes_normals = mesh_options_take_normals(o);
     begin_reading(&g, x, o);
     if (o->work)
         mesh_gather_keep_in(&g, o->work);

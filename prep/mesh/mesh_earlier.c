@@ -43,7 +43,11 @@ status mesh_earlier_check(const leaf_file *f, const char *input, const mesh_coun
 static status refuse_topology(const mesh_earlier *e, const char *input, uint32_t t,
                               const mesh_earlier_built *built) {
     if (!built->by)
-        return further_step_refuse(e->f, input, "treelet %u comes out otherwise: " OTHERWISE, t);
+        return further_step_refuse(e->f, input, "treelet %u comes out otherwise: " OTHERWISE "%s",
+                                   t,
+                                   e->f->header.kind == LEAF_KIND_TRIANGLES
+                                       ? ", or --normals is not what the file was made with"
+                                       : "");
     const mesh_shape s = mesh_leaf_shape(built->counts);
     const mesh_shape before = mesh_leaf_shape(e->f->mesh->counts[t]);
     const float(*own)[3] = mesh_leaf_positions(&s, built->topology);

@@ -14,8 +14,9 @@ void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling
     mesh_spool_init(&g->points, m, beside, sizeof(float[3]), ceiling);
     mesh_spool_init(&g->values, m, beside, sizeof(float), ceiling);
     mesh_spool_init(&g->tets, m, beside, sizeof(uint32_t[4]), ceiling);
-    g->points.first_out = g->values.first_out = &g->tets;
-    g->points.p = g->values.p = g->tets.p = p;
+    mesh_spool_init(&g->normals, m, beside, sizeof(uint32_t), ceiling);
+    g->points.first_out = g->values.first_out = g->normals.first_out = &g->tets;
+    g->points.p = g->values.p = g->tets.p = g->normals.p = p;
     for (int a = 0; a < 3; a++) {
         g->bounds[a] = INFINITY;
         g->bounds[a + 3] = -INFINITY;
@@ -33,11 +34,13 @@ void mesh_gather_release(mesh_gather *g) {
     mesh_spool_release(&g->points);
     mesh_spool_release(&g->values);
     mesh_spool_release(&g->tets);
+    mesh_spool_release(&g->normals);
 }
 
 size_t mesh_gather_least(const mesh_gather *g, uint32_t fields) {
     return fields * mesh_feed_memory() + mesh_spool_buffers(sizeof(float[3])) +
-           mesh_spool_buffers(sizeof(float)) + mesh_spool_buffers(g->tets.element);
+           mesh_spool_buffers(sizeof(float)) + mesh_spool_buffers(g->tets.element) +
+           (g->takes_normals ? mesh_feed_memory() + mesh_spool_buffers(sizeof(uint32_t)) : 0);
 }
 
 /* Returns whether this step is the first, whose points and tets all other steps are compared
@@ -195,6 +198,16 @@ static status take_values(void *ctx, uint64_t first, size_t count, const float *
     return st == ST_OK ? tell(g) : st;
 }
 
+static status take_normals(void *ctx, uint64_t first, size_t count, const uint32_t *codes) {
+    mesh_gather *g = ctx;
+    (void)first;
+    g->normals_seen += count;
+    if (!is_first(g) && (g->normals.count == 0 || g->normals_seen > g->vertices))
+        return g->normals.count == 0 ? ST_OK : too_many(g, "normals", g->vertices);
+    const status st = mesh_spool_append(&g->normals, codes, count);
+    return st == ST_OK ? tell(g) : st;
+}
+
 static status take_ids(mesh_gather *g, size_t count, const uint32_t *ids) {
     status st = ST_OK;
     if (is_first(g))
@@ -223,6 +236,7 @@ mesh_sink mesh_gather_sink(mesh_gather *g) {
                        .values = take_values,
                        .tets = take_tets,
                        .triangles = g->corners == 3 ? take_triangles : NULL,
+                       .normals = g->takes_normals ? take_normals : NULL,
                        .cells = g->corners == CELL_ROW ? take_cells : NULL};
 }
 
@@ -232,7 +246,7 @@ void mesh_gather_next(mesh_gather *g, uint32_t step, const char *name) {
     g->name = name;
     if (step == 0)
         g->first_name = name;
-    g->points_seen = g->values_seen = g->tets_seen = 0;
+    g->points_seen = g->values_seen = g->tets_seen = g->normals_seen = 0;
 }
 
 status mesh_gather_done(mesh_gather *g) {
@@ -241,8 +255,10 @@ status mesh_gather_done(mesh_gather *g) {
         uint64_t found, expected;
     } counts[] = {{"points", g->points_seen, g->vertices},
                   {"values", g->values_seen, g->vertices * g->fields},
-                  {name_of(g), g->tets_seen, g->tets.count}};
-    for (int i = 0; i < 3; i++)
+                  {name_of(g), g->tets_seen, g->tets.count},
+                  {"normals", g->normals_seen, g->vertices}};
+    /* Normals are looked at where the first step has some. */
+    for (int i = 0; i < (g->takes_normals && g->normals.count > 0 ? 4 : 3); i++)
         if (counts[i].found != counts[i].expected)
             return status_describe(ST_CORRUPT, "%s: expected %llu %s, as %s has, found %llu",
                                    g->name, (unsigned long long)counts[i].expected, counts[i].what,
@@ -264,12 +280,16 @@ void mesh_gather_keep_in(mesh_gather *g, work_folder *work) {
     mesh_spool_keep_in(&g->points, work, WORK_POINTS);
     mesh_spool_keep_in(&g->values, work, WORK_VALUES);
     mesh_spool_keep_in(&g->tets, work, WORK_TETS);
+    if (g->corners == 3) /* surfaces have no gradients */
+        mesh_spool_keep_in(&g->normals, work, WORK_GRADIENTS);
 }
 
 status mesh_gather_store(mesh_gather *g) {
     status st = mesh_spool_store(&g->points);
     if (st == ST_OK)
         st = mesh_spool_store(&g->values);
+    if (st == ST_OK)
+        st = mesh_spool_store(&g->normals);
     return st == ST_OK ? mesh_spool_store(&g->tets) : st;
 }
 
@@ -277,12 +297,15 @@ void mesh_gather_unstore(mesh_gather *g) {
     mesh_spool_unstore(&g->points);
     mesh_spool_unstore(&g->values);
     mesh_spool_unstore(&g->tets);
+    mesh_spool_unstore(&g->normals);
 }
 
 void mesh_gather_files(const mesh_gather *g, out_file *files[WORK_FILES]) {
     files[WORK_POINTS] = mesh_spool_file(&g->points);
     files[WORK_VALUES] = mesh_spool_file(&g->values);
     files[WORK_TETS] = mesh_spool_file(&g->tets);
+    if (g->corners == 3)
+        files[WORK_GRADIENTS] = mesh_spool_file(&g->normals);
 }
 
 /* Whether the spools hold what they must after so many steps. */
@@ -290,6 +313,7 @@ static bool fits(const mesh_gather *g) {
     const uint64_t places = g->done == 0 ? 0 : g->moving ? g->done : 1;
     return g->done <= g->steps && g->vertices <= (uint64_t)UINT32_MAX + 1 &&
            g->points.count == places * g->vertices &&
+           g->normals.count <= (uint64_t)g->done * g->vertices &&
            g->values.count == (uint64_t)g->done * g->fields * g->vertices;
 }
 
@@ -311,6 +335,8 @@ status mesh_gather_keep(mesh_gather *g, state_io *io) {
         st = mesh_spool_keep(&g->values, io);
     if (st == ST_OK)
         st = mesh_spool_keep(&g->tets, io);
+    if (st == ST_OK)
+        st = mesh_spool_keep(&g->normals, io);
     return st == ST_OK && !fits(g) ? state_io_fault(io) : st;
 }
 
@@ -337,6 +363,13 @@ static status count_values(void *ctx, uint64_t first, size_t count, const float 
     (void)first, (void)values;
     g->values_seen += count;
     return count_in(g, &g->values, count);
+}
+
+static status count_normals(void *ctx, uint64_t first, size_t count, const uint32_t *codes) {
+    mesh_gather *g = ctx;
+    (void)first, (void)codes;
+    g->normals_seen += count;
+    return is_first(g) || g->normals.count > 0 ? count_in(g, &g->normals, count) : ST_OK;
 }
 
 static status count_ids(mesh_gather *g, size_t count) {
@@ -367,5 +400,6 @@ mesh_sink mesh_gather_counter(mesh_gather *g) {
                        .values = count_values,
                        .tets = count_tets,
                        .triangles = g->corners == 3 ? count_triangles : NULL,
+                       .normals = g->takes_normals ? count_normals : NULL,
                        .cells = g->corners == CELL_ROW ? count_cells : NULL};
 }

@@ -20,6 +20,9 @@
 typedef struct mesh_gather {
     mesh_spool points, values, tets; /* float[3], float, uint32_t[corners]; of all steps and fields,
                                         see mesh_gather_points(), mesh_gather_values() */
+    mesh_spool normals;              /* of a surface's vertices: uint32_t, see
+                                        mesh_gather_normals(); empty: it has none */
+    bool takes_normals;              /* those of the file; set before the first reading */
     uint32_t corners;                /* of a cell: 4, or mesh_gather_cells() */
     uint64_t vertices;               /* points of the mesh */
     uint32_t fields, steps;          /* 1 unless set before the first reading */
@@ -34,7 +37,7 @@ typedef struct mesh_gather {
     mesh_input *reading;
     uint32_t step;
     const char *name, *first_name; /* name of its file, and of the first step's; for messages */
-    uint64_t points_seen, values_seen, tets_seen;
+    uint64_t points_seen, values_seen, tets_seen, normals_seen;
 } mesh_gather;
 
 /* mesh_gather_init() - ceiling: on the bytes that m has in use; 0: none. beside: path beside which
@@ -91,6 +94,11 @@ static inline uint64_t mesh_gather_points(const mesh_gather *g, uint32_t step) {
 }
 static inline uint64_t mesh_gather_values(const mesh_gather *g, uint32_t step, uint32_t of_field) {
     return ((uint64_t)step * g->fields + of_field) * g->vertices;
+}
+/* Of a step in `normals`: those of the file are kept at each step, those that are made where points
+ * move. */
+static inline uint64_t mesh_gather_normals(const mesh_gather *g, uint32_t step) {
+    return g->moving ? step * g->vertices : 0;
 }
 
 #endif

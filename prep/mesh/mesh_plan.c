@@ -39,6 +39,11 @@ static uint64_t held_bytes(const mesh_spool *s) {
     return s->chunk_count * chunk_bytes(s) + s->chunk_room * sizeof *s->chunks + 128;
 }
 
+/* Those of the file. */
+static uint64_t normals_held(const mesh_gather *g) {
+    return g->normals.count > 0 ? held_bytes(&g->normals) : 0;
+}
+
 /* Bytes of a spool that will be filled. In a file it has a buffer. */
 static uint64_t filled_bytes(const mesh_spool *s, bool held) {
     const uint64_t chunks = held ? (s->count >> MESH_SPOOL_LOG2) + 1 : 1;
@@ -95,9 +100,13 @@ static uint64_t build_fixed(const needs *n) {
 
 /* ---- choosing ---- */
 
-/* The spool of gradients, as large as it will be. */
+/* The spool of gradients, or of normals, as large as it will be. */
 static mesh_spool gradients_of(const needs *n) {
     const mesh_options *o = n->o;
+    if (mesh_options_make_normals(n->o))
+        return (mesh_spool){.element = sizeof(uint32_t), .count = n->g->points.count};
+    if (n->g->normals.count > 0)
+        return n->g->normals;
     return (mesh_spool){.element = sizeof(float[3]),
                         .count = o->gradients ? n->g->values.count : 0};
 }
@@ -109,14 +118,20 @@ static void choose_gradients(const needs *n, bool paged, uint64_t base, uint64_t
     const mesh_gather *g = n->g;
     const int threads = n->o->threads;
     const mesh_spool gradients = gradients_of(n);
-    if (!n->o->gradients)
+    if (!n->o->gradients && !mesh_options_make_normals(n->o))
         return;
     base += filled_bytes(&gradients, !paged);
     plan->spill_gradients = paged;
+    plan->spill_bytes += paged ? gradients.count * gradients.element : 0;
+    if (mesh_options_make_normals(n->o)) {
+        plan->normals =
+            mesh_normals_plan_make(&g->points, g->vertices, paged, room_above(budget, base));
+        plan->memory = larger(plan->memory, base + mesh_normals_memory(&plan->normals));
+        return;
+    }
     plan->gradients = mesh_gradients_plan_make(&g->points, &g->values, g->vertices, paged, threads,
                                                room_above(budget, base));
     plan->memory = larger(plan->memory, base + mesh_gradients_memory(&plan->gradients, threads));
-    plan->spill_bytes += paged ? gradients.count * gradients.element : 0;
 }
 
 /* Make the best plan for this spilling within the budget, or the smallest one: plan->memory
@@ -128,10 +143,11 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
                         .spill_points = how == SPILL_ALL,
                         .treelets = n->treelets,
                         .threads = n->o->threads};
-    const bool paged =
-        how == SPILL_ALL || !mesh_spool_held(&g->points) || !mesh_spool_held(&g->values);
+    const bool paged = how == SPILL_ALL || !mesh_spool_held(&g->points) ||
+                       !mesh_spool_held(&g->values) || !mesh_spool_held(&g->normals);
     const uint64_t tets = how >= SPILL_TETS ? 0 : held_bytes(&g->tets);
-    const uint64_t points = how == SPILL_ALL ? 0 : held_bytes(&g->points) + held_bytes(&g->values);
+    const uint64_t points =
+        how == SPILL_ALL ? 0 : held_bytes(&g->points) + held_bytes(&g->values) + normals_held(g);
     const uint64_t least_points = paged ? mesh_pages_least(&g->points) : 0,
                    least_values = paged ? mesh_pages_least(&g->values) : 0;
     const mesh_spool gradients = gradients_of(n);
@@ -142,7 +158,8 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
     const uint64_t least_cells = kept && cells_paged ? mesh_pages_least(&g->tets) : 0;
     const uint64_t keys = keys_fixed(n) + points,
                    build = build_fixed(n) + points + (kept ? tets : 0) +
-                           (any && !paged ? filled_bytes(&gradients, true) : 0);
+                           (any && !paged && g->normals.count == 0 ? filled_bytes(&gradients, true)
+                                                                   : 0);
     const uint64_t keys_least = keys + threads * least_points,
                    build_least = build + threads * (least_points + least_values + least_gradients +
                                                     least_cells);
@@ -156,8 +173,10 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
                       (plan->runs.block ? tets : 0) + mesh_runs_sorting(&plan->runs));
     const uint64_t build_all = build + mesh_runs_merging(&plan->runs, count);
     if (paged) {
+        /* Shares as the elements are: 3 for points and gradients, 1 for values and normals. */
+        const uint64_t wide = gradients.element / sizeof(float);
         const uint64_t each = room_above(budget, build_all) / threads /
-                              (any           ? 7
+                              (any           ? 4 + wide
                                : least_cells ? 8
                                              : 4);
         plan->keys_window = mesh_pages_memory(
@@ -166,7 +185,7 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
         plan->values_window = mesh_pages_memory(&g->values, larger(each, least_values));
         if (any)
             plan->gradients_window =
-                mesh_pages_memory(&gradients, larger(3 * each, least_gradients));
+                mesh_pages_memory(&gradients, larger(wide * each, least_gradients));
     }
     if (least_cells) {
         const uint64_t each = room_above(budget, build_all) / threads / 8;
@@ -177,14 +196,17 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
     plan->memory = larger(keys_all + threads * plan->keys_window, plan->build_memory);
     plan->spill_bytes =
         mesh_runs_spill(&plan->runs, count) + (tets ? 0 : count * g->tets.element) +
-        (paged ? g->points.count * g->points.element + g->values.count * g->values.element : 0);
+        (paged ? g->points.count * g->points.element + g->values.count * g->values.element +
+                     g->normals.count * g->normals.element
+               : 0);
     choose_gradients(n, paged, n->others + points + mesh_runs_merging(&plan->runs, count), budget,
                      plan);
 }
 
 static status needs_of(mem *m, const mesh_gather *g, const mesh_options *o, needs *n) {
-    const uint64_t held =
-        g->counted ? 0 : held_bytes(&g->points) + held_bytes(&g->values) + held_bytes(&g->tets);
+    const uint64_t held = g->counted ? 0
+                                     : held_bytes(&g->points) + held_bytes(&g->values) +
+                                           held_bytes(&g->tets) + normals_held(g);
     *n = (needs){.o = o, .g = g};
     n->others = FIXED_BYTES + (uint64_t)o->threads * THREAD_BYTES + room_above(mem_used(m), held) +
                 (o->work ? state_io_memory() : 0);
@@ -222,6 +244,7 @@ status mesh_plan_least(mem *m, const mesh_options *o, uint64_t *least) {
     mesh_gather_init(&g, m, "", 0, NULL);
     if (o->cells)
         mesh_gather_cells(&g, o->cells->corners);
+    g.takes_normals = mesh_options_take_normals(o);
     g.points.count = g.values.count = g.vertices = 4;
     g.tets.count = 1;
     needs n;
@@ -268,8 +291,9 @@ status mesh_plan_settle(const mesh_options *o, const mesh_gather *g, mesh_plan *
 static bool makes_sense(const mesh_plan *plan, const mesh_options *o) {
     const mesh_runs_plan *r = &plan->runs;
     return r->run > 0 && (!r->block || r->window > o->treelet_tets) &&
-           (!o->gradients || plan->gradients.band > 0) && plan->threads > 0 && plan->treelets > 0 &&
-           plan->treelets < UINT32_MAX;
+           (!o->gradients || plan->gradients.band > 0) &&
+           (!mesh_options_make_normals(o) || plan->normals.band > 0) && plan->threads > 0 &&
+           plan->treelets > 0 && plan->treelets < UINT32_MAX;
 }
 
 status mesh_plan_keep(mesh_plan *plan, const mesh_options *o, state_io *io) {

@@ -16,6 +16,7 @@
 #include "prep/mesh/cell_treelet.h"
 #include "prep/mesh/mesh_gather.h"
 #include "prep/mesh/mesh_gradients.h"
+#include "prep/mesh/mesh_normals.h"
 #include "prep/mesh/mesh_runs.h"
 #include "prep/mesh/mesh_series.h"
 
@@ -23,6 +24,10 @@ enum {
     MESH_TREELET_TETS = 4096,
     MESH_LEAF_TETS = 12
 }; /* reasons: tests/measurements/treelets.md */
+
+/* Where the normals of a surface's vertices come from: the file, if it has any; the triangles
+ * around them; or there are none. */
+typedef enum surface_normals { NORMALS_FILE, NORMALS_SMOOTH, NORMALS_FLAT } surface_normals;
 
 /* The user's choices. */
 typedef struct mesh_options {
@@ -36,6 +41,7 @@ typedef struct mesh_options {
     bool coarse;                /* add a coarse grid for each set, */
     uint32_t coarse_dims;       /* with this many nodes along the longest edge; 0: chosen by the
                                    mesh */
+    surface_normals normals;    /* of a surface's vertices: where they come from */
     bool gradients;             /* store the gradient at each vertex */
     const cell_treelets *cells; /* keep cells as they are, in treelets of this kind; NULL: tets.
                                    Without sah and gradients; treelet_tets up to its cells_max */
@@ -46,6 +52,14 @@ typedef struct mesh_options {
     convert_job *job;           /* what is to be done, if there is a work folder */
 } mesh_options;
 
+/* mesh_options_take_normals(), .._make_normals() - whether normals of a file are taken, or made. */
+static inline bool mesh_options_take_normals(const mesh_options *o) {
+    return o->cells && o->cells->corners == 3 && o->normals == NORMALS_FILE;
+}
+static inline bool mesh_options_make_normals(const mesh_options *o) {
+    return o->cells && o->cells->corners == 3 && o->normals == NORMALS_SMOOTH;
+}
+
 typedef struct mesh_plan {
     bool spill_tets, spill_points; /* to be moved to scratch files before all else */
     mesh_runs_plan runs;
@@ -53,8 +67,9 @@ typedef struct mesh_plan {
     uint64_t points_window, values_window; /* the same, while treelets are built */
     uint64_t cells_window;                 /* likewise, on the cells of a mixed mesh */
     mesh_gradients_plan gradients;         /* while gradients are computed */
-    uint64_t gradients_window;             /* likewise, on the gradients */
-    bool spill_gradients;                  /* gradients go to a scratch file, too */
+    mesh_normals_plan normals;             /* while normals are made */
+    uint64_t gradients_window;             /* likewise, on the gradients, or normals */
+    bool spill_gradients;                  /* gradients, or normals, go to a scratch file, too */
     uint64_t treelets;                     /* an estimate, rather too large */
     uint64_t memory;                       /* bytes of the conversion, with what is in use
                                               already */

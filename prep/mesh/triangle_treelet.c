@@ -4,9 +4,11 @@
 
 #include "formats/leaf/triangle_coder.h"
 #include "formats/leaf/triangle_geometry.h"
+#include "prep/mesh/mesh_fetch.h"
 
 static cell_treelet_most most(uint32_t treelet_cells) {
-    cell_treelet_most out = {.counts = {treelet_cells, TRIANGLE_CORNERS * treelet_cells}};
+    const uint32_t vertices = TRIANGLE_CORNERS * treelet_cells;
+    cell_treelet_most out = {.counts = {treelet_cells, vertices, vertices}};
     const triangle_shape s = triangle_shape_of(out.counts);
     out.topology_bytes = s.topology_bytes;
     out.value_bytes = s.value_bytes;
@@ -16,7 +18,8 @@ static cell_treelet_most most(uint32_t treelet_cells) {
 static void begin(cell_builder *b, const uint32_t (*cells)[CELL_ROW], size_t count,
                   cell_treelet *out) {
     mesh_vertices_number_met(&b->nodes, cells[0], sizeof *cells, count);
-    *out = (cell_treelet){.counts = {(uint32_t)count, b->nodes.count}};
+    *out = (cell_treelet){
+        .counts = {(uint32_t)count, b->nodes.count, b->normals ? b->nodes.count : 0}};
     memcpy(b->counts, out->counts, sizeof b->counts);
 }
 
@@ -35,10 +38,13 @@ static uint64_t count_flat(const cell_builder *b) {
 static status place(cell_builder *b, mesh_pages *points, uint32_t step, cell_treelet *out) {
     const triangle_shape s = triangle_shape_of(b->counts);
     const uint32_t rows = triangle_rows_bytes(&s);
-    const status st = cell_builder_place(b, points, out);
+    status st = cell_builder_place(b, points, out);
+    if (st == ST_OK && b->normals)
+        st = mesh_fetch(&b->nodes, b->normals, b->topology + s.vertices * sizeof(float[3]),
+                        sizeof(uint32_t));
     if (st != ST_OK)
         return st;
-    cell_builder_clear(b->topology, s.vertices * (uint32_t)sizeof(float[3]), s.place_bytes);
+    cell_builder_clear(b->topology, triangle_place_bytes(&s), s.place_bytes);
     out->folded = 0;
     if (step > 0)
         return ST_OK;

@@ -17,7 +17,8 @@ static status open_triangles(leafcast *v, const void *from) {
                                  .rows = of->triangles,
                                  .values = of->values,
                                  .colours = of->colours,
-                                 .name = of->field};
+                                 .name = of->field,
+                                 .smooth = of->smooth};
     moving_surface *s;
     status st = moving_surface_create(v->m, &given, v->threads, &s);
     if (st != ST_OK)

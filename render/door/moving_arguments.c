@@ -15,6 +15,7 @@ static const public_field triangles_rows[] = {
     PUBLIC_PLACE(leafcast_triangles, values, PUBLIC_OR_NULL),
     PUBLIC_PLACE(leafcast_triangles, colours, PUBLIC_OR_NULL),
     PUBLIC_PLACE(leafcast_triangles, field, PUBLIC_OR_NULL),
+    PUBLIC_FLAG(leafcast_triangles, smooth),
 };
 
 /* Vertices are checked where they are copied. */

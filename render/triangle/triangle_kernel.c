@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/vec3.h"
+#include "formats/leaf/triangle_normal.h"
 #include "render/look/picture_bytes.h"
 
 void triangle_polygon(const triangle *x, flat_polygon *out) {
@@ -68,6 +69,89 @@ static void shares_at(const triangle *x, const ray *r, double t, double share[3]
     share[0] = 1.0 - share[1] - share[2];
 }
 
+/* ---- smooth normals ---- */
+
+/* The cosine to the eye that normals have at least. */
+#define SEEN 0x1p-10
+
+/* Set what tells the shares of the vertices: as shares_at(), but for the last bits. */
+static bool find_axes(const triangle *x, triangle_smooth *s) {
+    double e[2][3], n[3];
+    int axis = 0;
+    for (int k = 0; k < 3; k++) {
+        s->corner[k] = (double)x->p[0][k];
+        e[0][k] = (double)x->p[1][k] - (double)x->p[0][k];
+        e[1][k] = (double)x->p[2][k] - (double)x->p[0][k];
+    }
+    vec3_cross(e[0], e[1], n);
+    for (int k = 1; k < 3; k++)
+        if (fabs(n[k]) > fabs(n[axis]))
+            axis = k;
+    s->u = (axis + 1) % 3;
+    s->v = (axis + 2) % 3;
+    for (int k = 0; k < 2; k++) {
+        const double sign = k ? -1.0 : 1.0;
+        s->by[k][0] = sign * e[!k][s->v] / n[axis];
+        s->by[k][1] = -sign * e[!k][s->u] / n[axis];
+    }
+    return isfinite(s->by[0][0] + s->by[0][1] + s->by[1][0] + s->by[1][1]);
+}
+
+triangle_smooth triangle_smooth_of(const triangle *x) {
+    triangle_smooth s = {.any = x->smooth};
+    for (int k = 0; k < 3 && s.any; k++)
+        s.any = triangle_normal_decode(x->normal[k], s.at[k]);
+    s.any = s.any && find_axes(x, &s);
+    return s;
+}
+
+static double between(double least, double x, double most) {
+    const double low = x < least ? least : x;
+    return low > most ? most : low;
+}
+
+/* Add up the vertices' normals by their shares at a point of the plane. */
+static void add_normals(const triangle_smooth *s, const ray *r, double t, double n[3]) {
+    const double u = r->o[s->u] + t * r->d[s->u] - s->corner[s->u],
+                 v = r->o[s->v] + t * r->d[s->v] - s->corner[s->v];
+    const double second = between(0.0, s->by[0][0] * u + s->by[0][1] * v, 1.0),
+                 third = between(0.0, s->by[1][0] * u + s->by[1][1] * v, 1.0 - second),
+                 first = 1.0 - second - third;
+    for (int a = 0; a < 3; a++)
+        n[a] = first * s->at[0][a] + second * s->at[1][a] + third * s->at[2][a];
+}
+
+/* Bend a unit vector to the side from which its triangle is seen. */
+static void bend(double side, const ray *r, double n[3]) {
+    double eye[3] = {-r->d[0], -r->d[1], -r->d[2]};
+    if (!vec3_unit(eye, eye))
+        return;
+    const double less = SEEN - side * vec3_dot(n, eye);
+    for (int a = 0; a < 3 && less > 0.0; a++)
+        n[a] += less * side * eye[a];
+}
+
+void triangle_smooth_normal(const triangle_smooth *s, const ray *r, double t, float normal[3]) {
+    const double flat[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
+    double n[3];
+    add_normals(s, r, t, n);
+    double square = vec3_dot(n, n);
+    if (vec3_dot(n, flat) < 0.0)
+        for (int a = 0; a < 3; a++)
+            n[a] = -n[a];
+    /* The ray goes against what is seen. */
+    const double side = vec3_dot(flat, r->d) > 0.0 ? -1.0 : 1.0, to = -side * vec3_dot(n, r->d);
+    if (!(to > 0.0 && to * to >= SEEN * SEEN * square * vec3_dot(r->d, r->d))) {
+        if (!vec3_unit(n, n))
+            return;
+        bend(side, r, n);
+        square = vec3_dot(n, n);
+    }
+    const double scale = 1.0 / sqrt(square);
+    for (int a = 0; a < 3; a++)
+        normal[a] = (float)(n[a] * scale);
+}
+
 /* The light of a packed colour. What is none is black. */
 static void unpack(float value, double rgb[3]) {
     const bool is_one = value >= 0.0f && value < 0x1p24f;
@@ -93,6 +177,9 @@ void triangle_values(const triangle *x, const ray *r, double t, bool coloured, s
 surface_point triangle_point(const triangle *x, const ray *r, const hit *h, bool coloured) {
     const flat_facts f = triangle_flat_facts(x);
     surface_point p = flat_point_at(&f, r, h);
+    const triangle_smooth s = triangle_smooth_of(x);
+    if (s.any)
+        triangle_smooth_normal(&s, r, h->t, p.normal);
     triangle_values(x, r, h->t, coloured, &p);
     return p;
 }

@@ -24,7 +24,18 @@
 typedef struct triangle {
     float p[3][3]; /* finite; in the file's order */
     float value[3];
+    bool smooth;
+    uint32_t normal[3]; /* of the vertices, if it is smooth (triangle_normal.h) */
 } triangle;
+
+/* The unit normals at the vertices of a triangle, and what tells the vertices' shares at a point.
+ */
+typedef struct triangle_smooth {
+    bool any; /* false: it is flat */
+    double at[3][3];
+    int u, v; /* the axes along which it is seen largest, and from there: */
+    double corner[3], by[2][2];
+} triangle_smooth;
 
 /* triangle_less() - the order of hits of one ray on triangles: (t, iso, front first, number). */
 static inline bool triangle_less(const hit *a, const hit *b) {
@@ -56,6 +67,16 @@ void triangle_polygon(const triangle *x, flat_polygon *out);
 
 /* triangle_flat_facts() - what all rays that meet a triangle have in common. */
 flat_facts triangle_flat_facts(const triangle *x);
+
+/* triangle_smooth_of() - a triangle is flat if one of its vertices has no normal.
+ * triangle_smooth_normal() - set the normal at a point where a ray meets a smooth triangle: those
+ * of the vertices, linear in between, of unit length, turned to the side of the triangle's own. One
+ * that the eye could not see is bent as far as to where it is just seen, so that silhouettes stay
+ * lit from the eye's side. normal: the triangle's own; left alone if the sum has no direction.
+ * It is for shading alone: hits, sides, and where shadows and mirrored rays begin are the
+ * triangle's. */
+triangle_smooth triangle_smooth_of(const triangle *x);
+void triangle_smooth_normal(const triangle_smooth *s, const ray *r, double t, float normal[3]);
 
 /* triangle_point() - the point of a hit. coloured: values are packed colours (triangle_geometry.h).
  * Values and colours are linear between the vertices, colours as light. */

@@ -24,6 +24,7 @@ typedef struct triangle_shading {
     const treelet *at[KNOWN_TRIANGLES]; /* NULL: the slot is empty */
     uint32_t local[KNOWN_TRIANGLES];
     flat_facts facts[KNOWN_TRIANGLES];
+    triangle_smooth smooth[KNOWN_TRIANGLES];
 } triangle_shading;
 
 static uint64_t triangle_cell_of(const frame *f, const tile_surface *s) {
@@ -45,23 +46,21 @@ static triangle triangle_met(const tile_surface *x) {
     return triangle_walk_one(&resident_triangles_of(x->at)->blocks, x->local);
 }
 
-/* Returns the facts of a surface's triangle, made when first needed. */
-static const flat_facts *facts_of(triangle_shading *m, const tile_surface *x) {
+/* Returns the slot of a surface's triangle, filled when first needed. */
+static unsigned slot_of(triangle_shading *m, const tile_surface *x) {
     const unsigned k = x->local % KNOWN_TRIANGLES;
     if (m->at[k] != x->at || m->local[k] != x->local) {
         const triangle met = triangle_met(x);
         m->at[k] = x->at;
         m->local[k] = x->local;
         m->facts[k] = triangle_flat_facts(&met);
+        m->smooth[k] = triangle_smooth_of(&met);
     }
-    return &m->facts[k];
+    return k;
 }
 
-static void triangle_normals(void *work, const tile_layer *l, tile_normals normal) {
-    triangle_shading *m = work;
-    for (unsigned i = 0; i < TILE_RAYS; i++)
-        for (int a = 0; a < 3 && in_layer(l, i); a++)
-            normal[a][i] = facts_of(m, surface_of(l, i))->point.normal[a];
+static const flat_facts *facts_of(triangle_shading *m, const tile_surface *x) {
+    return &m->facts[slot_of(m, x)];
 }
 
 static ray triangle_ray(const triangle_shading *m, unsigned i) {
@@ -72,6 +71,24 @@ static ray triangle_ray(const triangle_shading *m, unsigned i) {
         r.d[a] = s->rays.d[a][i];
     }
     return r;
+}
+
+static void triangle_normals(void *work, const tile_layer *l, tile_normals normal) {
+    triangle_shading *m = work;
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        if (!in_layer(l, i))
+            continue;
+        const tile_surface *x = surface_of(l, i);
+        const unsigned k = slot_of(m, x);
+        float n[3];
+        memcpy(n, m->facts[k].point.normal, sizeof n);
+        if (m->smooth[k].any) {
+            const ray r = triangle_ray(m, i);
+            triangle_smooth_normal(&m->smooth[k], &r, x->t, n);
+        }
+        for (int a = 0; a < 3; a++)
+            normal[a][i] = n[a];
+    }
 }
 
 static void triangle_starts(void *work, const tile_layer *l, unsigned i, unsigned which,

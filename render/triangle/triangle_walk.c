@@ -1,5 +1,6 @@
 #include "render/triangle/triangle_walk.h"
 
+#include "formats/leaf/triangle_normal.h"
 #include "render/walk/box_interval.h"
 #include "render/walk/tree_passage.h"
 #include "stream/moving_surface.h"
@@ -15,11 +16,12 @@ uint32_t triangle_walk_place(const leaf_file *f, uint64_t number, uint32_t *loca
 
 triangle triangle_walk_one(const triangle_blocks *b, uint32_t local) {
     const uint16_t *v = b->rows[local];
-    triangle x;
+    triangle x = {.smooth = b->normals != NULL};
     for (int k = 0; k < TRIANGLE_CORNERS; k++) {
         for (int a = 0; a < 3; a++)
             x.p[k][a] = b->p[a][v[k]];
         x.value[k] = b->values[v[k]];
+        x.normal[k] = b->normals ? b->normals[v[k]] : TRIANGLE_NO_NORMAL;
     }
     return x;
 }

@@ -91,6 +91,7 @@ treelet-tets=64 ms
 leaf-tets=4 m
 build=sah m
 gradients m
+normals=smooth s
 whole-cells m
 dry-run rhms
 TABLE

@@ -100,6 +100,55 @@ ok "is named" says 'none.ply: expected 800 triangles, as .*stays_0.ply has, foun
 exits "a mesh behind a surface" 2 "$leafcast" convert "$tmp/b.mesh" --append -o "$tmp/grown.leaf"
 ok "is no further step" says 'it is a mesh, and the file is of none'
 
+# ---- normals ----
+
+draw() { "$leafcast" render "$1" --size 64x48 -o "$2" --force -q; }
+draw "$tmp/s.leaf" "$tmp/flat.ppm"
+exits "smooth" 0 "$leafcast" convert "$tmp/stays_0.ply" --normals smooth -o "$tmp/n.leaf" --json
+ok "has none of its own" json 'x["normals"] == 0'
+exits "is sound" 0 "$leafcast" verify "$tmp/n.leaf"
+exits "info" 0 "$leafcast" info "$tmp/n.leaf"
+ok "tells of normals" prints '^normals  *at the vertices, 4 bytes each$'
+ok "says whose" prints 'triangles, smooth normals'
+draw "$tmp/n.leaf" "$tmp/smooth.ppm"
+ok "looks another way" [ -n "$(cmp "$tmp/flat.ppm" "$tmp/smooth.ppm")" ]
+for form in ply vtp; do
+    exits "exported as .$form" 0 "$leafcast" export "$tmp/n.leaf" -o "$tmp/n.$form" --force -q
+    exits "converted again" 0 "$leafcast" convert "$tmp/n.$form" -o "$tmp/again.leaf" --force --json
+    ok "has normals of its own" json 'x["normals"] == 441'
+    exits "info for programs" 0 "$leafcast" info "$tmp/again.leaf" --json
+    ok "does so, too" json 'x["normals"] is True and "normals of its own" in x["provenance"]'
+    draw "$tmp/again.leaf" "$tmp/again.ppm"
+    ok "looks the same" cmp "$tmp/again.ppm" "$tmp/smooth.ppm"
+    exits "without them" 0 "$leafcast" convert "$tmp/n.$form" --normals flat -o "$tmp/again.leaf" --force --json
+    ok "none is taken" json 'x["normals"] == 0'
+    draw "$tmp/again.leaf" "$tmp/again.ppm"
+    ok "is flat" cmp "$tmp/again.ppm" "$tmp/flat.ppm"
+done
+printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n' >"$tmp/only.ply"
+printf 'property float nx\nproperty float ny\nproperty float nz\nelement face 1\nproperty list uchar int vertex_indices\n' >>"$tmp/only.ply"
+printf 'end_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n' >>"$tmp/only.ply"
+exits "normals alone" 0 "$leafcast" convert "$tmp/only.ply" -o "$tmp/only.leaf"
+ok "are told" prints '^normals  *of the file.s own, at its points$'
+ok "and are no field" [ ! -s "$tmp/err" ]
+exits "a series that moves" 0 "$leafcast" convert "$tmp/moves_%d.ply" --normals smooth --compress zstd -o "$tmp/nm.leaf" -q
+exits "is sound" 0 "$leafcast" verify "$tmp/nm.leaf"
+exits "its last step" 0 "$leafcast" convert "$tmp/moves_2.ply" --normals smooth -o "$tmp/n2.leaf" -q
+"$leafcast" export "$tmp/nm.leaf" --step 2 -o "$tmp/n2.ply" -q
+"$leafcast" convert "$tmp/n2.ply" -o "$tmp/n3.leaf" -q
+draw "$tmp/n2.leaf" "$tmp/n2.ppm"
+draw "$tmp/n3.leaf" "$tmp/n3.ppm"
+ok "has the normals of its places" cmp "$tmp/n2.ppm" "$tmp/n3.ppm"
+exits "steps of a smooth one" 0 "$leafcast" convert "$tmp/stays_0.ply" --normals smooth --append -o "$tmp/ng.leaf" -q
+exits "come with the same option" 0 "$leafcast" convert "$tmp/stays_1.ply" --normals smooth --append -o "$tmp/ng.leaf" -q
+exits "are sound" 0 "$leafcast" verify "$tmp/ng.leaf"
+exits "and not without it" 2 "$leafcast" convert "$tmp/stays_2.ply" --append -o "$tmp/ng.leaf" -q
+ok "are told apart" says '--normals'
+exits "another word" 2 "$leafcast" convert "$tmp/stays_0.ply" --normals round -o "$tmp/x.leaf"
+ok "is told" says '"round" is neither file, smooth nor flat'
+exits "a mesh" 2 "$leafcast" convert "$tmp/b.mesh" --normals smooth -o "$tmp/x.leaf"
+ok "has no such normals" says 'b.mesh is no surface of triangles'
+
 # ---- export ----
 
 for form in ply vtp; do

@@ -13,7 +13,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-static uint64_t points, values;
+static uint64_t points, values, normals;
 
 static void require(bool kept) {
     if (!kept)
@@ -34,6 +34,13 @@ static status take_values(void *ctx, uint64_t first, size_t count, const float *
     require(first == values && count > 0);
     values += count;
     return values < 1 << 20 ? ST_OK : status_describe(ST_FAILED, "enough");
+}
+
+static status take_normals(void *ctx, uint64_t first, size_t count, const uint32_t *codes) {
+    (void)ctx, (void)codes;
+    require(first == normals && count > 0);
+    normals += count;
+    return ST_OK;
 }
 
 static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
@@ -84,18 +91,19 @@ static void read_mesh(const char *path, const mesh_hints *hints, bool whole, boo
                             .tets = take_tets,
                             .cells = whole ? take_cells : NULL,
                             .triangles = surface ? take_triangles : NULL,
+                            .normals = surface ? take_normals : NULL,
                             .corners = !whole};
     mem m;
     mesh_input *x = NULL;
     mesh_report report;
     mem_init(&m, (size_t)16 << 20);
-    points = values = 0;
+    points = values = normals = 0;
     status st =
         surface ? surface_input_open(&m, path, hints, &x) : mesh_input_open(&m, path, hints, &x);
     if (st == ST_OK)
         st = mesh_input_read(x, &sink, &report);
     if (st == ST_OK)
-        require(report.points == points && values == points);
+        require(report.points == points && values == points && (!normals || normals == points));
     else
         require(*status_text());
     mesh_input_close(x);

@@ -8,14 +8,17 @@
 #include <stddef.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/base/vec3.h"
 #include "formats/leaf/leaf_grow.h"
 #include "formats/leaf/leaf_verify.h"
 #include "prep/leafcast_prep.h"
 #include "prep/mesh/triangle_treelet.h"
+#include "tests/support/naive_surface.h"
 #include "tests/support/scratch.h"
 #include "tests/support/surface_movie.h"
 #include "tests/support/watched.h"
@@ -52,11 +55,22 @@ static void squeeze(surface_movie *v) {
     v->options.memory = r.plan.memory_least + (1 << 17);
 }
 
+/* Without normals, with those of the files, and made of the triangles. */
+enum { MODES = 3 };
+
+static void choose_normals(surface_movie *v, int mode) {
+    v->options.normals = mode == 2 ? NORMALS_SMOOTH : NORMALS_FILE;
+    if (mode == 1)
+        surface_movie_give_normals(v, "sheet");
+}
+
 static void test_budgets(void **state) {
     (void)state;
-    for (int zstd = 0; zstd < 2; zstd++) {
+    for (int mode = 0; mode < MODES; mode++) {
+        const int zstd = mode != 1;
         mesh_result r;
         surface_movie v = surface_movie_make(SIDE, 2, 3, true, "sheet");
+        choose_normals(&v, mode);
         const uint64_t much = v.options.memory;
         compress(&v, zstd);
         convert(&v, "whole.leaf", &r);
@@ -121,10 +135,12 @@ static status go_on(surface_movie *v, const char *name, question *q) {
 static void test_resumed(void **state) {
     enum { TIMES = WATCHED ? 5 : 10 };
     (void)state;
-    for (int little = 0; little < 2; little++) {
+    for (int how = 0; how < 2 * MODES; how++) {
+        const int little = how % 2;
         mesh_result r;
         question q = {0};
         surface_movie v = surface_movie_make(SIDE, 1, 3, true, "sheet");
+        choose_normals(&v, how / 2);
         convert(&v, "whole.leaf", &r);
         if (little)
             squeeze(&v);
@@ -146,6 +162,104 @@ static void test_resumed(void **state) {
         assert_int_equal(remove(scratch_path("again.leaf")), 0);
         surface_movie_release(&v);
     }
+}
+
+/* ---- normals ---- */
+
+/* The sum of the normals of the triangles at a point, each times twice its area. */
+static void sum_triangles(const surface_movie *v, uint32_t step, double (*sum)[3]) {
+    for (uint32_t i = 0; i < v->triangles; i++) {
+        const uint32_t *t = v->corner[i];
+        double e[2][3], n[3];
+        for (int k = 0; k < 2; k++)
+            for (int a = 0; a < 3; a++)
+                e[k][a] = (double)v->xyz[step][t[k + 1]][a] - (double)v->xyz[step][t[0]][a];
+        vec3_cross(e[0], e[1], n);
+        for (int k = 0; k < 3; k++)
+            for (int a = 0; a < 3; a++)
+                sum[t[k]][a] += n[a];
+    }
+}
+
+/* Compare normals with those that each point must have, which has no other at its x and y. */
+static void check_normals(const surface_movie *v, uint32_t side, uint32_t step,
+                          const naive_surface *n, const double (*want)[3]) {
+    for (long t = 0; t < n->treelets; t++) {
+        const naive_patch *p = &n->patch[t];
+        assert_true(p->smooth);
+        for (long i = 0; i < p->vertices; i++) {
+            const uint32_t point =
+                (uint32_t)(p->xyz[p->vertices + i] * (float)(side + 1) + p->xyz[i]);
+            const float *got = p->normal[(n->places > 1 ? step : 0) * p->vertices + i];
+            double unit[3] = {0, 0, 0};
+            assert_true(point < v->points);
+            (void)vec3_unit(want[point], unit);
+            for (int a = 0; a < 3; a++)
+                if (fabs((double)got[a] - unit[a]) > 1e-4)
+                    fail_msg("step %u, point %u: %g, expected %g", step, point, (double)got[a],
+                             unit[a]);
+        }
+    }
+}
+
+static void test_normals(void **state) {
+    enum { COUNT = 24 };
+    (void)state;
+    for (int how = 0; how < 8; how++) {
+        const int mode = 1 + how % 2, moves = how / 2 % 2;
+        surface_movie v = surface_movie_make(COUNT, 1, 3, moves, "sheet");
+        double(*want)[3] = malloc(v.points * sizeof *want);
+        naive_surface n;
+        mesh_result r;
+        assert_non_null(want);
+        choose_normals(&v, mode);
+        compress(&v, how / 4);
+        convert(&v, "normals.leaf", &r);
+        assert_int_equal(r.report.normals, mode == 1 ? v.points : 0);
+        verify("normals.leaf");
+        surface_movie_check(&v, scratch_path("normals.leaf"));
+        if (!naive_surface_load(&n, scratch_path("normals.leaf")))
+            fail_msg("%s", n.why);
+        for (uint32_t s = 0; s < (moves ? v.steps : 1); s++) {
+            memset(want, 0, v.points * sizeof *want);
+            for (uint32_t i = 0; i < v.points && mode == 1; i++) {
+                float normal[3];
+                surface_movie_normal(&v, s, i, normal);
+                for (int a = 0; a < 3; a++)
+                    want[i][a] = (double)normal[a];
+            }
+            if (mode == 2)
+                sum_triangles(&v, s, want);
+            check_normals(&v, COUNT, s, &n, (const double(*)[3])want);
+        }
+        naive_surface_release(&n);
+        /* --normals flat leaves out those of the file. */
+        v.options.normals = NORMALS_FLAT;
+        convert(&v, "flat.leaf", &r);
+        assert_int_equal(r.report.normals, 0);
+        assert_true(naive_surface_load(&n, scratch_path("flat.leaf")));
+        assert_false(n.patch[0].smooth);
+        naive_surface_release(&n);
+        surface_movie_release(&v);
+        free(want);
+    }
+}
+
+/* A later step without them is refused. */
+static void test_lost_normals(void **state) {
+    (void)state;
+    mesh_result r;
+    surface_movie v = surface_movie_make(10, 1, 2, true, "sheet"),
+                  bare = surface_movie_make(10, 1, 2, true, "bare");
+    surface_movie_give_normals(&v, "sheet");
+    const char *kept = v.paths[1];
+    v.paths[1] = bare.paths[1];
+    assert_int_equal(surface_movie_convert(&m, &v, scratch_path("x.leaf"), NULL, false, &r),
+                     ST_CORRUPT);
+    assert_non_null(strstr(status_text(), "expected 121 normals"));
+    v.paths[1] = kept;
+    surface_movie_release(&v);
+    surface_movie_release(&bare);
 }
 
 /* ---- steps ---- */
@@ -238,6 +352,19 @@ static void test_library(void **state) {
     verify("lib.leaf");
     assert_int_equal(leafcast_convert_path(v.paths[0], scratch_path("lib.leaf"), NULL),
                      LEAFCAST_EXISTS);
+    leafcast_convert_options smooth = plain;
+    smooth.normals = LEAFCAST_NORMALS_SMOOTH;
+    v.options.normals = NORMALS_SMOOTH;
+    convert(&v, "cli.leaf", &r);
+    assert_int_equal(leafcast_convert_steps(v.paths, 3, NULL, scratch_path("lib.leaf"), &smooth),
+                     LEAFCAST_OK);
+    naive_surface a, b;
+    assert_true(naive_surface_load(&a, scratch_path("cli.leaf")));
+    assert_true(naive_surface_load(&b, scratch_path("lib.leaf")) && a.patch[0].smooth);
+    assert_memory_equal(a.patch[0].normal, b.patch[0].normal,
+                        (size_t)(3 * a.patch[0].vertices) * sizeof *a.patch[0].normal);
+    naive_surface_release(&a);
+    naive_surface_release(&b);
     leafcast_convert_options without[] = {plain, plain, plain, plain};
     without[0].gradients = without[1].coarse = without[2].whole_cells = true;
     without[3].leaf_tets = 12;
@@ -253,6 +380,7 @@ static void test_library(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_budgets), cmocka_unit_test(test_resumed),
+        cmocka_unit_test(test_normals), cmocka_unit_test(test_lost_normals),
         cmocka_unit_test(test_grown),   cmocka_unit_test(test_unlike),
         cmocka_unit_test(test_library),
     };

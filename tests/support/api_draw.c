@@ -436,6 +436,7 @@ void api_draw_convert_options(field_random *r, leafcast_convert_options *o) {
     o->coarse = api_chance(r, 3);
     o->whole_cells = api_chance(r, 4);
     o->by_corners = api_chance(r, 4);
+    o->normals = (leafcast_surface_normals)below(r, 3);
     o->coarse_dims = (uint32_t)(api_chance(r, 2) ? below(r, 8) : 0);
     o->allow_empty = api_chance(r, 2);
     spoil(r, 8, "leafcast_convert_options", o);

@@ -340,18 +340,34 @@ static void decode_points(size_t corners, size_t vertices, const unsigned char *
     }
 }
 
+/* u and v of each normal: two planes each, differences from the normal before. */
+static void decode_normals(size_t count, const unsigned char *planes, unsigned char *to) {
+    int64_t before[2] = {0, 0};
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < 2; k++) {
+            const int64_t stored =
+                planes[2 * k * count + i] + 256 * planes[(2 * k + 1) * count + i];
+            const int64_t difference = stored % 2 ? -(stored + 1) / 2 : stored / 2;
+            before[k] = (before[k] + difference + 65536) % 65536;
+            to[4 * i + 2 * k] = (unsigned char)(before[k] % 256);
+            to[4 * i + 2 * k + 1] = (unsigned char)(before[k] / 256);
+        }
+}
+
 bool naive_cells_triangles(int block, const uint32_t counts[4], const unsigned char *in,
                            size_t bytes, unsigned char *payload, size_t payload_bytes) {
     const size_t corners = block == 0 ? 3 * (size_t)counts[0] : 0, vertices = counts[1],
-                 floats = block == 1 ? vertices : 3 * vertices, fixed = 1 + corners + 4 * floats;
+                 floats = block == 1 ? vertices : 3 * vertices,
+                 normals = block == 1 ? 0 : counts[2], fixed = 1 + corners + 4 * (floats + normals);
     if (bytes && in[0] == 0)
         return take_stored(in, bytes, payload, payload_bytes);
     if (!bytes || in[0] != 1 || bytes < fixed || (bytes - fixed) % 2)
         return false;
     memset(payload, 0, payload_bytes);
+    decode_normals(normals, in + 1 + corners + 4 * floats, payload + 4 * floats);
     if (block != 0)
         return bytes == fixed && decode_row(in + 1, floats, payload);
-    unsigned char *rows = payload + aligned(4 * floats);
+    unsigned char *rows = payload + aligned(4 * (floats + normals));
     if (!decode_triangles(corners, vertices, in + 1, in + fixed, (bytes - fixed) / 2, rows))
         return false;
     decode_points(corners, vertices, in + 1 + corners, rows, payload);

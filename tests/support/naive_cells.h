@@ -11,7 +11,7 @@
 
 /* naive_cells_curvilinear() - places: or values. counts: cells along i, j, k.
  * naive_cells_mixed() - block: 0 topology, 1 values, 3 positions at a step. counts: cells, nodes.
- * naive_cells_triangles() - the same of a surface. counts: triangles, vertices.
+ * naive_cells_triangles() - the same of a surface. counts: triangles, vertices, normals.
  *
  * in: the streams. payload: out, all of it, zeros before. Return false if the bytes break a rule.
  */

@@ -113,8 +113,11 @@ static bool read_counts(naive_surface *s) {
         naive_patch *p = &s->patch[t];
         p->triangles = (long)naive_number(counts + 16 * t, 4);
         p->vertices = (long)naive_number(counts + 16 * t + 4, 4);
+        const long normals = (long)naive_number(counts + 16 * t + 8, 4);
+        p->smooth = normals > 0;
         if (p->triangles < 1 || p->triangles > s->treelet_triangles || p->vertices < 3 ||
-            p->vertices > 3 * p->triangles || !naive_zeros(counts + 16 * t, 8, 16))
+            p->vertices > 3 * p->triangles || (normals && normals != p->vertices) ||
+            !naive_zeros(counts + 16 * t, 12, 16))
             return wrong(s, "treelet %ld: counts", t);
         triangles += p->triangles;
         vertices += p->vertices;
@@ -149,9 +152,14 @@ static int block_of(const naive_surface *s, long p) {
     return block == 0 ? 0 : block <= s->sets ? 1 : 3;
 }
 
+/* Bytes of positions and normals, without padding. */
+static uint64_t place_bytes(const naive_patch *t) {
+    return (t->smooth ? 16 : 12) * (uint64_t)t->vertices;
+}
+
 static uint64_t payload_bytes(const naive_surface *s, long p) {
     const naive_patch *t = &s->patch[p % s->treelets];
-    const uint64_t v = (uint64_t)t->vertices, places = naive_up_to(12 * v, 64);
+    const uint64_t v = (uint64_t)t->vertices, places = naive_up_to(place_bytes(t), 64);
     switch (block_of(s, p)) {
     case 0: return places + naive_up_to(6 * (uint64_t)t->triangles, 64);
     case 1: return naive_up_to(4 * v, 64);
@@ -215,7 +223,8 @@ static bool check_places(naive_surface *s) {
 /* The payload, to be freed; NULL: it cannot be decoded. */
 static unsigned char *load(naive_surface *s, long p) {
     const naive_patch *t = &s->patch[p % s->treelets];
-    const uint32_t counts[4] = {(uint32_t)t->triangles, (uint32_t)t->vertices, 0, 0};
+    const uint32_t counts[4] = {(uint32_t)t->triangles, (uint32_t)t->vertices,
+                                t->smooth ? (uint32_t)t->vertices : 0, 0};
     const long q = home_of(s, p);
     const uint64_t size = entry_of(s, NAIVE_SIZES, q), want = payload_bytes(s, p);
     const unsigned char *stored = s->bytes + entry_of(s, NAIVE_OFFSETS, q);
@@ -255,6 +264,27 @@ static bool take_rows(naive_surface *s, long t, const unsigned char *rows, const
            wrong(s, "treelet %ld: padding of rows", t);
 }
 
+/* Fold the octahedron's lower half back, and make the vector one of unit length. */
+static bool take_normal(const unsigned char *b, float to[3]) {
+    int u = (int)naive_number(b, 2), v = (int)naive_number(b + 2, 2);
+    u -= u > 32767 ? 65536 : 0;
+    v -= v > 32767 ? 65536 : 0;
+    to[0] = to[1] = to[2] = 0;
+    if (u == -32768 || v == -32768)
+        return u == v;
+    double x = u, y = v;
+    const double z = 32767 - abs(u) - abs(v);
+    if (z < 0) {
+        x = (32767 - abs(v)) * (u < 0 ? -1 : 1);
+        y = (32767 - abs(u)) * (v < 0 ? -1 : 1);
+    }
+    const double length = sqrt(x * x + y * y + z * z);
+    to[0] = (float)(x / length);
+    to[1] = (float)(y / length);
+    to[2] = (float)(z / length);
+    return true;
+}
+
 static bool take_places(naive_surface *s, long t, long place, const unsigned char *b) {
     naive_patch *p = &s->patch[t];
     float *to = p->xyz + place * 3 * p->vertices;
@@ -271,7 +301,10 @@ static bool take_places(naive_surface *s, long t, long place, const unsigned cha
         if (least != naive_real32(bounds + 4 * a) || most != naive_real32(bounds + 12 + 4 * a))
             return wrong(s, "treelet %ld, step %ld: bounds along axis %d", t, place, a);
     }
-    const uint64_t bytes = 12 * (uint64_t)p->vertices;
+    for (long v = 0; p->smooth && v < p->vertices; v++, b += 4)
+        if (!take_normal(b, p->normal[place * p->vertices + v]))
+            return wrong(s, "treelet %ld, step %ld: normal %ld", t, place, v);
+    const uint64_t bytes = place_bytes(p);
     return naive_zeros(b, 0, naive_up_to(bytes, 64) - bytes) ||
            wrong(s, "treelet %ld, step %ld: padding", t, place);
 }
@@ -302,7 +335,7 @@ static bool take_values(naive_surface *s, long t, long set, const unsigned char 
 
 static bool take_payload(naive_surface *s, long p) {
     const long t = p % s->treelets, block = p / s->treelets;
-    const uint64_t rows = naive_up_to(12 * (uint64_t)s->patch[t].vertices, 64);
+    const uint64_t rows = naive_up_to(place_bytes(&s->patch[t]), 64);
     unsigned char *b = load(s, p);
     bool good = b != NULL;
     switch (block_of(s, p)) {
@@ -351,7 +384,8 @@ static bool allocate(naive_surface *s) {
         p->xyz = malloc((size_t)(3 * p->vertices * s->places) * sizeof *p->xyz);
         p->values = malloc((size_t)(p->vertices * s->sets) * sizeof *p->values);
         p->row = malloc((size_t)p->triangles * sizeof *p->row);
-        if (!p->xyz || !p->values || !p->row)
+        p->normal = malloc((size_t)(p->vertices * s->places) * sizeof *p->normal);
+        if (!p->xyz || !p->values || !p->row || !p->normal)
             return wrong(s, "no memory");
     }
     return true;
@@ -386,6 +420,7 @@ bool naive_surface_load(naive_surface *s, const char *path) {
 void naive_surface_release(naive_surface *s) {
     for (long t = 0; s->patch && t < s->treelets; t++) {
         free(s->patch[t].xyz);
+        free(s->patch[t].normal);
         free(s->patch[t].values);
         free(s->patch[t].row);
     }

@@ -12,6 +12,8 @@
 
 typedef struct naive_patch { /* a treelet */
     long triangles, vertices;
+    bool smooth;        /* it has normals */
+    float (*normal)[3]; /* of each step, or of the first alone: unit vectors; 0 0 0: none */
     float *xyz;    /* of each step, or of the first alone where nothing moves: x, then y, then z */
     float *values; /* set after set */
     long (*row)[3];

@@ -61,6 +61,25 @@ static status take_values(void *ctx, uint64_t first, size_t count, const float *
     return ST_OK;
 }
 
+static bool takes_normals;
+static uint64_t normals; /* received */
+
+void surface_files_take_normals(bool take) {
+    takes_normals = take;
+}
+
+static status take_normals(void *ctx, uint64_t first, size_t count, const uint32_t *codes) {
+    (void)ctx;
+    if (first != normals || count == 0)
+        fail_msg("%zu normals from %llu on, expected %llu", count, (unsigned long long)first,
+                 (unsigned long long)normals);
+    if (count > SURFACE_FILES_ROOM - normals)
+        return status_describe(ST_FAILED, "too large for this test");
+    memcpy(copy.normals + normals, codes, count * sizeof *codes);
+    normals += count;
+    return ST_OK;
+}
+
 static status take_triangles(void *ctx, size_t count, const uint32_t (*ids)[3]) {
     (void)ctx;
     if (count > SURFACE_FILES_ROOM - triangles)
@@ -74,6 +93,8 @@ static status take_triangles(void *ctx, size_t count, const uint32_t (*ids)[3]) 
 static void check_promises(void) {
     assert_int_equal(copy.report.points, points);
     assert_int_equal(copy.report.tets, triangles);
+    assert_int_equal(copy.report.normals, normals);
+    assert_true(normals == 0 || normals == points);
     for (uint32_t k = 0; k < copy.fields; k++)
         assert_int_equal(values[k], points);
     for (size_t i = 0; i < points; i++)
@@ -87,8 +108,10 @@ static void check_promises(void) {
 }
 
 static status read_open(mesh_input *x, const char *const *names, uint32_t count) {
-    const mesh_sink sink = {
-        .points = take_points, .values = take_values, .triangles = take_triangles};
+    const mesh_sink sink = {.points = take_points,
+                            .values = take_values,
+                            .triangles = take_triangles,
+                            .normals = takes_normals ? take_normals : NULL};
     status st = names ? mesh_input_take(x, names, count) : ST_OK;
     if (st != ST_OK)
         return st;
@@ -104,7 +127,7 @@ status surface_files_read(const char *path, const mesh_hints *hints, const char 
     mem m;
     mesh_input *x = NULL;
     mem_init(&m, (size_t)1 << 24);
-    points = triangles = 0;
+    points = triangles = normals = 0;
     memset(values, 0, sizeof values);
     copy.fields = names ? count : 1;
     assert_true(copy.fields <= SURFACE_FILES_FIELDS);

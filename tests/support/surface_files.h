@@ -18,7 +18,11 @@ typedef struct surface_copy {
     float xyz[SURFACE_FILES_ROOM][3];
     float values[SURFACE_FILES_FIELDS][SURFACE_FILES_ROOM];
     uint32_t triangles[SURFACE_FILES_ROOM][3];
+    uint32_t normals[SURFACE_FILES_ROOM]; /* triangle_normal.h */
 } surface_copy;
+
+/* surface_files_take_normals() - whether readings from now on take normals, too. */
+void surface_files_take_normals(bool take);
 
 /* surface_files_read() - open, read, close: the status. names: fields to take, NULL: as the hints
  * say. Fails the test when memory is not given back, when points or values do not come in order and

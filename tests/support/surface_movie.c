@@ -68,6 +68,16 @@ static void write_face(FILE *f, const uint32_t corner[3]) {
     assert_int_equal(fwrite(corner, sizeof *corner, 3, f), 3);
 }
 
+void surface_movie_normal(const surface_movie *v, uint32_t step, uint32_t point, float normal[3]) {
+    const float about = (float)(point % 31) - 15.0F;
+    (void)v;
+    normal[0] = about;
+    normal[1] = (float)step - 1.5F;
+    normal[2] = 5.0F;
+    if (point % 50 == 7)
+        normal[0] = normal[1] = normal[2] = 0.0F;
+}
+
 static const char *write_step(const surface_movie *v, uint32_t step, const char *name) {
     char text[64];
     snprintf(text, sizeof text, "%s%u.ply", name, step);
@@ -76,12 +86,17 @@ static const char *write_step(const surface_movie *v, uint32_t step, const char 
     assert_non_null(f);
     fprintf(f, "ply\nformat binary_little_endian 1.0\nelement vertex %u\n", v->points);
     fprintf(f, "property float x\nproperty float y\nproperty float z\n");
+    if (v->normals)
+        fprintf(f, "property float nx\nproperty float ny\nproperty float nz\n");
     for (uint32_t k = 0; k < v->fields; k++)
         fprintf(f, "property float f%u\n", k);
     fprintf(f, "element face %u\nproperty list uchar uint vertex_indices\nend_header\n",
             v->triangles + LEFT_OUT);
     for (uint32_t i = 0; i < v->points; i++) {
+        float normal[3];
         assert_int_equal(fwrite(v->xyz[step][i], sizeof(float), 3, f), 3);
+        surface_movie_normal(v, step, i, normal);
+        assert_int_equal(fwrite(normal, sizeof(float), v->normals ? 3 : 0, f), v->normals ? 3 : 0);
         for (uint32_t k = 0; k < v->fields; k++)
             assert_int_equal(fwrite(&v->values[step][k][i], sizeof(float), 1, f), 1);
     }
@@ -121,6 +136,14 @@ surface_movie surface_movie_make(uint32_t side, uint32_t fields, uint32_t steps,
     v.options.treelet_tets = 100;
     v.options.threads = 2;
     return v;
+}
+
+void surface_movie_give_normals(surface_movie *v, const char *name) {
+    v->normals = true;
+    for (uint32_t s = 0; s < v->steps; s++) {
+        free((void *)(uintptr_t)v->paths[s]);
+        v->paths[s] = write_step(v, s, name);
+    }
 }
 
 void surface_movie_release(surface_movie *v) {

@@ -12,7 +12,7 @@ enum { SURFACE_MOVIE_STEPS = 4, SURFACE_MOVIE_FIELDS = 2 };
  * values are NaN. */
 typedef struct surface_movie {
     uint32_t points, triangles, fields, steps;
-    bool moves;
+    bool moves, normals; /* normals: the files have some */
     float (*xyz[SURFACE_MOVIE_STEPS])[3];
     float *values[SURFACE_MOVIE_STEPS][SURFACE_MOVIE_FIELDS];
     uint32_t (*corner)[3]; /* those that are kept, in the order of the files */
@@ -26,6 +26,11 @@ typedef struct surface_movie {
 surface_movie surface_movie_make(uint32_t side, uint32_t fields, uint32_t steps, bool moves,
                                  const char *name);
 void surface_movie_release(surface_movie *v);
+
+/* surface_movie_give_normals() - write the files again, with normals: some have no direction.
+ * surface_movie_normal() - a point's at a step, of any length. */
+void surface_movie_give_normals(surface_movie *v, const char *name);
+void surface_movie_normal(const surface_movie *v, uint32_t step, uint32_t point, float normal[3]);
 
 /* surface_movie_convert() - the status, to a path. dry: plan alone. */
 CHECKED status surface_movie_convert(mem *m, const surface_movie *v, const char *path,

@@ -275,18 +275,24 @@ static void fill_surface(coder_subject *x, const surface *s, number *of, field_r
     const triangle_shape shape = triangle_shape_of(x->counts);
     fill((float *)(void *)x->payload, shape.vertices * (x->block == LEAF_BLOCK_VALUES ? 1U : 3U),
          of, r);
+    uint32_t *normals = (uint32_t *)(void *)(x->payload + shape.vertices * sizeof(float[3]));
+    for (uint32_t i = 0; i < shape.normals && x->block != LEAF_BLOCK_VALUES; i++)
+        normals[i] = field_random_below(r, 3) ? (uint32_t)field_random_bits(r) : 0x80008000;
     if (x->block == LEAF_BLOCK_TOPOLOGY)
         memcpy(x->payload + shape.place_bytes, s->corner, triangle_rows_bytes(&shape));
 }
 
-static void visit_surface(const surface *s, visit *f, field_random *r) {
+/* With and without normals. */
+static void visit_surface(surface *s, visit *f, field_random *r) {
     for (size_t b = 0; b < 3; b++)
-        for (size_t n = 0; n < 2; n++) {
+        for (size_t n = 0; n < 3; n++) {
+            s->counts[2] = n ? s->counts[1] : 0;
             coder_subject x = coder_lab_subject(&triangle_coder, blocks[b], s->counts, NULL);
-            fill_surface(&x, s, numbers[n], r);
+            fill_surface(&x, s, numbers[n % 2], r);
             f(&x, r);
             coder_lab_release(&x);
         }
+    s->counts[2] = 0;
 }
 
 static void visit_surfaces(visit *f, field_random *r) {
@@ -375,7 +381,7 @@ static size_t content_end(const coder_subject *x) {
     if (x->coder == &triangle_coder) {
         const triangle_shape s = triangle_shape_of(x->counts);
         return values                            ? 4 * (size_t)s.vertices
-               : x->block != LEAF_BLOCK_TOPOLOGY ? 12 * (size_t)s.vertices
+               : x->block != LEAF_BLOCK_TOPOLOGY ? triangle_place_bytes(&s)
                                                  : s.place_bytes + triangle_rows_bytes(&s);
     }
     if (x->coder == &curvilinear_coder) {

@@ -85,6 +85,7 @@ static surface_movie movie_of(leaf_codec codec) {
     surface_movie v = surface_movie_make(SIDE, FIELDS, STEPS, true, "sheet");
     v.options.treelet_tets = TREELET;
     v.options.file.codec = codec;
+    v.options.normals = NORMALS_SMOOTH;
     v.options.file.zstd_level = 1;
     v.options.file.run_align_log2 = 9;
     return v;
@@ -130,6 +131,12 @@ typedef struct lied {
 } lied;
 
 typedef void lie(const lied *x);
+
+/* A half alone says that there is none. */
+static void spoil_normal(const lied *x) {
+    uint32_t *normals = (uint32_t *)(void *)x->topology + 3 * (size_t)x->shape.vertices;
+    normals[5] = 0x80000000;
+}
 
 static void lose_corner(const lied *x) {
     x->corner[4] = (uint16_t)x->shape.vertices;
@@ -306,8 +313,9 @@ static const struct {
     {count_none, "cannot have so many triangles", false},
     {count_vertices, "cannot have so many vertices", false},
     {count_many, "cannot have so many vertices", false},
-    {count_more, "cannot have more than triangles and vertices", false},
-    {count_last, "cannot have more than triangles and vertices", false},
+    {count_more, "cannot have so many normals", false},
+    {count_last, "cannot have more than triangles, vertices and normals", false},
+    {spoil_normal, "a normal is none", true},
     {claim_triangles, "expected the treelets'", false},
     {claim_flat, "of them folded", false},
     {claim_inverted, "of them folded", false},

@@ -357,6 +357,7 @@ static void test_pictures(void **state) {
     for (int how = 0; how < 3; how++) {
         const leafcast_options o = {
             .size = sizeof o, .threads = how == 1 ? 3 : 1, .isa = how == 2 ? "scalar" : NULL};
+        t.of.smooth = how > 0;
         bend(&t, 0.0);
         leafcast *v = open_tube(&t, &o);
         assert_true(leafcast_describe(v).treelets > 1);
