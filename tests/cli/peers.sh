@@ -89,7 +89,7 @@ else
     done
     # A surface itself: the file's triangles are Embree's. Layers begin a little behind the last one there.
     run "$leafcast" export "$leaf" --iso 127.5 -o "$tmp/s.ply" -q
-    run "$leafcast" convert "$tmp/s.ply" -o "$tmp/given.leaf" -q
+    run "$leafcast" convert "$tmp/s.ply" --normals flat -o "$tmp/given.leaf" -q
     exits "of a surface an isovalue" 2 "$leafcast" bench peers "$tmp/given.leaf" --iso 1 --size 16x16 --runs 1
     for what in "--light 0,1,2 --shadows" "--opacity 0.3"; do
         exits "a surface, $what" 0 "$leafcast" bench peers "$tmp/given.leaf" --size 203x190 --runs 1 $what --force -o "$tmp/g.csv"
