@@ -8,6 +8,7 @@
 #include "formats/base/clock.h"
 #include "render/app/picture_png.h"
 #include "render/app/view_camera.h"
+#include "render/view/view_cast.h"
 #include "render/view/view_planes.h"
 #include "render/view/view_stride.h"
 #include "render/view/view_task.h"
@@ -33,8 +34,11 @@ struct view_picture {
     view_tools tools;
     phase phase;
     view_wish wish;
-    view_stride stride; /* of the steps of its volume */
-    picture_volume volume;
+    view_stride stride;            /* of the steps of its volume */
+    view_cast *cast;               /* what a scene shows; NULL: it is one volume */
+    picture_volume volume;         /* that volume */
+    const picture_volume *objects; /* object_count of them */
+    int object_count;
     picture_scene parts;
     leafcast_scene scene;
     leafcast_camera camera; /* for the whole picture */
@@ -54,9 +58,25 @@ struct view_picture {
     uint64_t writing_bytes; /* bytes of that file's planes */
     bool ready;             /* a moving preview is complete and waits until it may be sent */
     double drawn_s, next_s; /* time of this frame so far; when the next part is due */
-    const leafcast *paced;  /* the volume that `paces` are about */
+    const void *paced;      /* the volume or scene that `paces` are about */
     view_pace paces[VIEW_WAYS];
 };
+
+void view_wish_release(view_wish *w) {
+    view_changes_drop(w->changes);
+    w->changes = NULL;
+}
+
+void view_wish_copy(view_wish *to, const view_wish *from) {
+    view_changes *held = view_changes_hold(from->changes);
+    view_wish_release(to);
+    *to = *from;
+    to->changes = held;
+}
+
+const view_options *view_wish_of_one(const view_wish *w) {
+    return w->scene ? view_changes_view(w->changes, w->scene, w->chosen) : &w->view;
+}
 
 status view_picture_create(const view_tools *tools, view_picture **out) {
     view_picture *p = mem_zalloc(tools->m, sizeof *p);
@@ -137,32 +157,37 @@ void view_picture_stop(view_picture *p) {
     p->writing = NULL;
     view_planes_release(p->tools.m, &p->now);
     view_planes_release(p->tools.m, &p->base);
-    picture_scene_release(&p->parts);
+    if (!p->wish.scene)
+        picture_scene_release(&p->parts);
+    view_cast_free(p->tools.m, p->cast);
+    p->cast = NULL;
     p->phase = IDLE;
     p->ready = false;
 }
 
 void view_picture_leave(view_picture *p) {
     view_picture_stop(p);
+    picture_scene_release(&p->parts);
+    for (int i = 0; p->wish.scene && i < p->wish.scene->count; i++)
+        leafcast_stop_reading(view_scene_volume(p->wish.scene, i));
     if (p->wish.volume)
         leafcast_stop_reading(p->wish.volume);
     p->wish.volume = NULL;
+    view_wish_release(&p->wish);
 }
 
 void view_picture_destroy(view_picture *p) {
     if (!p)
         return;
     view_picture_stop(p);
+    picture_scene_release(&p->parts);
+    view_wish_release(&p->wish);
     pthread_mutex_destroy(&p->lock);
     mem_free(p->tools.m, p);
 }
 
-/* Check the wish, as render checks a picture. */
-static status check(view_picture *p) {
-    view_options *v = &p->wish.view;
-    const leafcast_camera *size = &v->camera;
-    double suggested[LEAFCAST_SUGGESTIONS_MAX];
-    int count;
+static status check_size(const view_picture *p) {
+    const leafcast_camera *size = &p->wish.view.camera;
     if (size->width < 1 || size->height < 1 || size->width > VIEW_SIDE_MAX ||
         size->height > VIEW_SIDE_MAX || (uint64_t)size->width * size->height > VIEW_PIXELS_MAX)
         return status_describe(
@@ -172,22 +197,62 @@ static status check(view_picture *p) {
         (uint64_t)size->width * size->height > VIEW_EXR_PIXELS_MAX)
         return status_describe(ST_USAGE, "an EXR of %u x %u: it may have %d pixels in all",
                                size->width, size->height, VIEW_EXR_PIXELS_MAX);
+    return ST_OK;
+}
+
+/* Check the wish, as render checks a picture of one volume. */
+static status check_volume(view_picture *p) {
+    view_options *v = &p->wish.view;
+    double suggested[LEAFCAST_SUGGESTIONS_MAX];
+    int count;
     status st = picture_scene_choose(p->wish.volume, v, suggested, &count);
     if (st == ST_OK)
         st = view_options_check(v);
     return st == ST_OK ? view_options_check_volume(v, p->wish.volume) : st;
 }
 
+/* Choose what is drawn of a scene. */
+static status cast_scene(view_picture *p) {
+    const view_wish *w = &p->wish;
+    const status st = view_cast_make(p->tools.m, w->scene, &w->view, w->changes, &p->cast);
+    if (st != ST_OK)
+        return st;
+    p->wish.view = p->cast->frame.view;
+    p->objects = render_job_objects(&p->cast->job, &p->wish.view);
+    p->object_count = p->cast->job.object_count;
+    picture_scene_renew(&p->parts);
+    p->parts.opens = true; /* what the scene file names */
+    return ST_OK;
+}
+
+/* Choose and check what is drawn, and by which camera. */
+static status cast(view_picture *p) {
+    status st = check_size(p);
+    p->volume = (picture_volume){p->wish.volume, &p->wish.view, NULL};
+    p->objects = &p->volume;
+    p->object_count = 1;
+    if (st == ST_OK && !p->wish.scene)
+        picture_scene_init(&p->parts, p->tools.m);
+    if (st == ST_OK)
+        st = p->wish.scene ? cast_scene(p) : check_volume(p);
+    if (st == ST_OK)
+        st = picture_scene_describe(&p->parts, p->objects, p->object_count, true, &p->scene);
+    if (st == ST_OK)
+        p->camera = p->cast ? render_job_camera(&p->cast->job, &p->wish.view)
+                            : view_camera_of(&p->wish.view, p->wish.volume);
+    return st;
+}
+
 /* ---- The pace ---- */
 
 static void set_pace(view_picture *p) {
-    const leafcast_info info = leafcast_describe(p->wish.volume);
     const view_way of = view_task_way(&p->scene, &p->wish.view);
-    if (p->paced != p->wish.volume)
+    const void *paced = p->wish.scene ? (const void *)p->wish.scene : p->wish.volume;
+    if (p->paced != paced)
         memset(p->paces, 0, sizeof p->paces);
-    p->paced = p->wish.volume;
+    p->paced = paced;
     p->pace = &p->paces[of];
-    p->task = view_task_of(&info, &p->scene, &p->camera, of);
+    p->task = view_task_of(p->objects, p->object_count, &p->scene, &p->camera, of);
 }
 
 /* Returns the expected time of the whole picture in seconds, by earlier pictures. */
@@ -213,31 +278,25 @@ static phase after_preview(view_picture *p) {
 
 static void expect_next(view_picture *p, const view_wish *now) {
     const uint32_t steps = leafcast_describe(now->volume).steps;
+    const view_options *v = view_wish_of_one(now);
     uint32_t field;
     if (now->volume != p->wish.volume)
         p->stride = (view_stride){false, 0, 0, 0};
     /* A wrong step is refused when the picture is described. */
-    if (now->view.step < steps && view_options_field(&now->view, now->volume, &field) == ST_OK)
-        (void)leafcast_expect_set(now->volume, field,
-                                  view_stride_next(&p->stride, now->view.step, steps));
+    if (v->step < steps && view_options_field(v, now->volume, &field) == ST_OK)
+        (void)leafcast_expect_set(now->volume, field, view_stride_next(&p->stride, v->step, steps));
 }
 
 status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t beside) {
     view_picture_stop(p);
     expect_next(p, wish);
-    p->wish = *wish;
-    p->volume = (picture_volume){wish->volume, &p->wish.view, NULL};
+    view_wish_copy(&p->wish, wish);
     p->beside = beside;
     p->part = 0;
     p->overdue = false;
-    status st = check(p);
+    const status st = cast(p);
     if (st != ST_OK)
         return st;
-    picture_scene_init(&p->parts, p->tools.m);
-    st = picture_scene_describe(&p->parts, &p->volume, 1, true, &p->scene);
-    if (st != ST_OK)
-        return st;
-    p->camera = view_camera_of(&p->wish.view, p->wish.volume);
     set_pace(p);
     const bool soon =
         p->pace->cost[0] > 0.0 && whole_s(p) < SOON_S && p->stats.provisional_pixels == 0;
@@ -247,8 +306,12 @@ status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t besid
 
 /* Returns the level of detail that the state asks for, at most the last one. */
 static uint32_t asked_level(const view_picture *p) {
-    const uint32_t asked = p->scene.lod == LEAFCAST_LOD_LEVEL ? p->scene.lod_level : 0,
-                   last = leafcast_describe(p->wish.volume).preview_levels - 1;
+    const uint32_t asked = p->scene.lod == LEAFCAST_LOD_LEVEL ? p->scene.lod_level : 0;
+    uint32_t last = 0;
+    for (int i = 0; i < p->object_count && asked > 0; i++) {
+        const uint32_t own = leafcast_describe(p->objects[i].volume).preview_levels - 1;
+        last = own > last ? own : last;
+    }
     return asked < last ? asked : last;
 }
 
@@ -279,7 +342,7 @@ static status begin_frame(view_picture *p) {
         make_coarse(p, &scene, &camera);
     p->next_s = 0.1;
     const uint64_t png = picture_png_bytes(pool_threads(p->tools.threads), camera.width);
-    status st = (status)leafcast_check_room(p->wish.volume, &scene, &camera, &wanted,
+    status st = (status)leafcast_check_room(p->objects[0].volume, &scene, &camera, &wanted,
                                             p->beside + view_planes_bytes(&p->base) + png);
     if (st == ST_OK)
         st = view_planes_make(p->tools.m, &wanted, camera.width, camera.height, &p->now);
@@ -289,7 +352,8 @@ static status begin_frame(view_picture *p) {
         view_planes_blank(&p->now);
     view_planes_release(p->tools.m, &p->base);
     if (st == ST_OK)
-        st = (status)leafcast_frame_begin(p->wish.volume, &scene, &camera, &p->now.image, &frame);
+        st = (status)leafcast_frame_begin(p->objects[0].volume, &scene, &camera, &p->now.image,
+                                          &frame);
     if (st == ST_OK)
         set_frame(p, frame);
     return st;
@@ -360,10 +424,12 @@ static json_t *describe_part(const view_picture *p, bool png, bool final) {
 static status mark(const view_picture *p) {
     text_face *face = NULL;
     status st = ST_OK;
-    if (annotate_wanted(&p->wish.view.annotation))
+    const view_options *v = &p->wish.view;
+    const bool named = p->cast && v->legend && (v->colour_by[0] || v->others_coloured);
+    if (named || annotate_wanted(&v->annotation))
         st = text_face_open(p->tools.m, NULL, &face);
     if (st == ST_OK)
-        picture_scene_mark(&p->parts, &p->volume, &p->scene, &p->camera, &p->now.image, face);
+        picture_scene_mark(&p->parts, p->objects, &p->scene, &p->camera, &p->now.image, face);
     text_face_close(face);
     return st;
 }

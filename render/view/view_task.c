@@ -1,6 +1,9 @@
 #include "render/view/view_task.h"
 
 #include <math.h>
+#include <string.h>
+
+#include "render/ray/placement.h"
 
 view_way view_task_way(const leafcast_scene *scene, const view_options *v) {
     bool behind = scene->shadows;
@@ -45,13 +48,32 @@ static double apart_of(const leafcast_info *info, view_way of) {
     return thinned && (of == VIEW_WAY_EXTREMES || of == VIEW_WAY_MEANS) ? 20.0 : 8.0;
 }
 
-view_task view_task_of(const leafcast_info *info, const leafcast_scene *scene,
+/* Returns what is told of an object's volume, as large as it is at its place. */
+static leafcast_info placed(const picture_volume *object) {
+    leafcast_info info = leafcast_describe(object->volume);
+    const placement place = placement_of(object->place);
+    double box[2][3];
+    placement_box(&place, info.bounds, box);
+    memcpy(info.bounds, box, sizeof box);
+    info.cell_size *= place.moved ? place.size : 1.0;
+    return info;
+}
+
+view_task view_task_of(const picture_volume *objects, int count, const leafcast_scene *scene,
                        const leafcast_camera *camera, view_way of) {
-    return (view_task){.width = camera->width,
-                       .height = camera->height,
-                       .levels = scene->lod == LEAFCAST_LOD_PIXEL ? 1 : info->preview_levels,
-                       .cells = cells_of(camera, info),
-                       .guess = guess_of(of),
-                       .slow = info->cell_levels,
-                       .apart = apart_of(info, of)};
+    view_task t = {.width = camera->width,
+                   .height = camera->height,
+                   .levels = 1,
+                   .cells = INFINITY,
+                   .guess = guess_of(of),
+                   .apart = 1.0};
+    for (int i = 0; i < count; i++) {
+        const leafcast_info info = placed(&objects[i]);
+        const uint32_t levels = scene->lod == LEAFCAST_LOD_PIXEL ? 1 : info.preview_levels;
+        t.levels = levels > t.levels ? levels : t.levels;
+        t.cells = fmin(t.cells, cells_of(camera, &info));
+        t.slow = info.cell_levels > t.slow ? info.cell_levels : t.slow;
+        t.apart = fmax(t.apart, apart_of(&info, of));
+    }
+    return t;
 }
