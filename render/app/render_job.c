@@ -28,6 +28,16 @@ static void choose_world(leafcast_options *options, const leafcast *volume) {
         options->axes = leafcast_describe(volume).axes;
 }
 
+/* Open a file; too little memory for it names it, as other errors do. */
+static status open_volume(const char *path, const leafcast_options *on, leafcast **volume) {
+    char why[STATUS_TEXT_MAX];
+    const status st = render_status(leafcast_open(path, on, volume));
+    if (st != ST_NOMEM)
+        return st;
+    snprintf(why, sizeof why, "%s", status_text());
+    return status_describe(st, "%s does not fit: %s", path, why);
+}
+
 /* Open all volumes on one device, which closes with them. */
 static status open_volumes(render_job *job, const char *path, const leafcast_options *options) {
     leafcast_options on = *options;
@@ -36,14 +46,14 @@ static status open_volumes(render_job *job, const char *path, const leafcast_opt
     on.threads = 0;
     on.isa = NULL;
     if (st == ST_OK)
-        st = render_status(leafcast_open(path, &on, &job->volume));
+        st = open_volume(path, &on, &job->volume);
     if (st == ST_OK)
         choose_world(&on, job->volume);
     for (int i = 0; i < job->also_count && st == ST_OK; i++) {
         render_also *also = &job->also[i];
         if (also->same >= 0)
             continue;
-        st = render_status(leafcast_open(also->path, &on, &also->volume));
+        st = open_volume(also->path, &on, &also->volume);
         if (st == ST_OK)
             choose_world(&on, also->volume);
     }

@@ -1,5 +1,6 @@
 #include "render/view/view_cast.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "render/app/scene_file.h"
@@ -109,4 +110,27 @@ void view_cast_free(mem *m, view_cast *cast) {
     mem_free(&cast->job.m, cast->objects);
     mem_free(&cast->job.m, cast->owner);
     mem_free(m, cast);
+}
+
+status view_cast_room(const view_cast *cast, const view_scene *s, const leafcast_scene *scene,
+                      const leafcast_camera *camera, const leafcast_image *planes,
+                      uint64_t beside) {
+    char why[STATUS_TEXT_MAX];
+    status st =
+        (status)leafcast_check_room(scene->volumes[0].volume, scene, camera, planes, beside);
+    snprintf(why, sizeof why, "%s", st == ST_OK ? "" : status_text());
+    for (int i = 0; i < scene->volume_count && st == ST_NOMEM; i++) {
+        leafcast_scene one = *scene;
+        one.volumes = &scene->volumes[i];
+        one.volume_count = 1;
+        one.media = scene->media_count > 0 ? &scene->media[i] : NULL;
+        one.media_count = scene->media_count > 0;
+        if (leafcast_check_room(one.volumes->volume, &one, camera, planes, beside) ==
+            LEAFCAST_NOMEM)
+            return status_describe(ST_NOMEM, "%s does not fit: %s", s->names[cast->owner[i]],
+                                   status_text());
+    }
+    return st == ST_NOMEM
+               ? status_describe(st, "%d objects do not fit together: %s", scene->volume_count, why)
+               : st;
 }

@@ -22,6 +22,12 @@ CHECKED status view_cast_make(mem *m, const view_scene *s, const view_options *a
                               const view_changes *c, view_cast **out);
 bool view_cast_idle(mem *m, const view_scene *s, const view_options *all, const view_changes *c,
                     const char *flag);
+
+/* view_cast_room() - check that a picture fits into memory, as leafcast_check_room(). ST_NOMEM
+ * names the object that alone would not, if there is one. */
+CHECKED status view_cast_room(const view_cast *cast, const view_scene *s,
+                              const leafcast_scene *scene, const leafcast_camera *camera,
+                              const leafcast_image *planes, uint64_t beside);
 void view_cast_free(mem *m, view_cast *cast);
 
 #endif

@@ -342,8 +342,10 @@ static status begin_frame(view_picture *p) {
         make_coarse(p, &scene, &camera);
     p->next_s = 0.1;
     const uint64_t png = picture_png_bytes(pool_threads(p->tools.threads), camera.width);
-    status st = (status)leafcast_check_room(p->objects[0].volume, &scene, &camera, &wanted,
-                                            p->beside + view_planes_bytes(&p->base) + png);
+    const uint64_t beside = p->beside + view_planes_bytes(&p->base) + png;
+    status st = p->cast
+                    ? view_cast_room(p->cast, p->wish.scene, &scene, &camera, &wanted, beside)
+                    : (status)leafcast_check_room(p->wish.volume, &scene, &camera, &wanted, beside);
     if (st == ST_OK)
         st = view_planes_make(p->tools.m, &wanted, camera.width, camera.height, &p->now);
     if (st == ST_OK && p->base.image.r)

@@ -146,7 +146,7 @@ export class Scene {
         this.show(k, eye.checked);
         byId("objects").querySelectorAll("input")[k].focus();
       });
-      return element("div", {class: "object"}, eye, element("button", {"aria-pressed": k === this.chosen, title: "The controls are about this one",
+      return element("div", {class: "object"}, eye, element("button", {"aria-pressed": String(k === this.chosen), title: "The controls are about this one",
         onclick: () => this.choose(k)}, name));
     }));
   }
