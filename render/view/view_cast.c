@@ -14,20 +14,19 @@ static int list_shown(const view_scene *s, const view_changes *c, int *objects) 
     return count;
 }
 
-/* Returns the place in a list of objects of the first one with this volume. */
-static int first_of_volume(const view_scene *s, const int *objects, int k) {
-    int i = 0;
-    while (view_scene_keeper(s, objects[i]) != view_scene_keeper(s, objects[k]))
-        i++;
-    return i;
-}
-
-static void cast_object(view_cast *cast, const view_scene *s, const view_changes *c, int k) {
-    const int object = cast->objects[k], same = first_of_volume(s, cast->objects, k);
+/* first: of each volume's keeper, 1 + the place in the cast of its first object there; 0: none yet.
+ */
+static void cast_object(view_cast *cast, const view_scene *s, const view_changes *c, int k,
+                        int *first) {
+    const int object = cast->objects[k];
+    int *const at = &first[view_scene_keeper(s, object)], same = *at - 1;
+    *at = *at ? *at : k + 1;
+    if (k == 0)
+        return;
     cast->job.also[k - 1] = (render_also){.path = view_scene_path(s, object),
                                           .view = *view_changes_view(c, s, object),
                                           .volume = view_scene_volume(s, object),
-                                          .same = same < k ? same : -1,
+                                          .same = same,
                                           .places = *view_scene_places(s, object)};
 }
 
@@ -51,7 +50,8 @@ static status make(view_cast *cast, const view_scene *s, const view_options *all
     render_job *job = &cast->job;
     mem_init(&job->m, 0);
     cast->objects = mem_array(&job->m, (size_t)s->count, sizeof *cast->objects);
-    if (!cast->objects)
+    cast->first = mem_array(&job->m, (size_t)s->count, sizeof *cast->first);
+    if (!cast->objects || !cast->first)
         return ST_NOMEM;
     const int count = list_shown(s, c, cast->objects), first = cast->objects[0];
     job->also = mem_array(&job->m, (size_t)count, sizeof *job->also);
@@ -62,8 +62,8 @@ static status make(view_cast *cast, const view_scene *s, const view_options *all
     job->source = view_scene_path(s, first);
     job->also_count = count - 1;
     job->fits_all = true;
-    for (int k = 1; k < count; k++)
-        cast_object(cast, s, c, k);
+    for (int k = 0; k < count; k++)
+        cast_object(cast, s, c, k, cast->first);
     cast->frame.view = *all;
     cast->frame.view.given &= strict;
     scene_file_take_first(&cast->frame.view, view_changes_view(c, s, first));
@@ -108,6 +108,7 @@ void view_cast_free(mem *m, view_cast *cast) {
     render_job_unlist(&cast->job);
     mem_free(&cast->job.m, cast->job.also);
     mem_free(&cast->job.m, cast->objects);
+    mem_free(&cast->job.m, cast->first);
     mem_free(&cast->job.m, cast->owner);
     mem_free(m, cast);
 }

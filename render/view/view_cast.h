@@ -11,6 +11,7 @@ typedef struct view_cast {
     script_frame frame; /* its flags are the picture's, and the first shown object's */
     int *objects;       /* the scene's number of the job's volume, and of each of its `also` */
     int *owner;         /* ... and of each of its objects, which are one for each place */
+    int *first;         /* for the making */
 } view_cast;
 
 /* view_cast_make() - choose and check what is drawn. all: as view_changes_apply() has set it,

@@ -79,14 +79,15 @@ static status check_scene(view_scene *s) {
     return st;
 }
 
-static int number_of_name(const view_scene *s, int object, const char *name) {
-    char other[NAME_ROOM];
+static const char *file_of(const view_scene *s, int object) {
+    const char *path = view_scene_path(s, object), *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static int number_of_name(const view_scene *s, int object) {
     int number = 1;
-    for (int i = 0; i < object; i++) {
-        const char *path = view_scene_path(s, i), *slash = strrchr(path, '/');
-        text_name(other, sizeof other, slash ? slash + 1 : path);
-        number += strcmp(other, name) == 0;
-    }
+    for (int i = 0; i < object; i++)
+        number += strcmp(file_of(s, i), file_of(s, object)) == 0;
     return number;
 }
 
@@ -95,9 +96,8 @@ static status name_objects(view_scene *s) {
     status st = ST_OK;
     for (int i = 0; i < s->count && st == ST_OK; i++) {
         char name[NAME_ROOM], text[NAME_ROOM + 16];
-        const char *path = view_scene_path(s, i), *slash = strrchr(path, '/');
-        text_name(name, sizeof name, slash ? slash + 1 : path);
-        const int number = number_of_name(s, i, name);
+        const int number = number_of_name(s, i);
+        text_name(name, sizeof name, file_of(s, i));
         snprintf(text, sizeof text, number > 1 ? "%s (%d)" : "%s", name, number);
         s->names[i] = mem_copy_text(&s->m, text);
         st = s->names[i] ? ST_OK : ST_NOMEM;

@@ -23,7 +23,7 @@ typedef struct view_scene {
     int count;           /* objects of the file; object 0 is the job's own volume */
     view_options *views; /* their flags, of one volume each; picture_view: of the picture */
     view_options picture_view;
-    char **names; /* of objects, for people: no two are the same */
+    char **names; /* of objects, for people, with numbers where files have the same name */
     double box[2][3];
 } view_scene;
 

@@ -20,5 +20,15 @@ cat >"$tmp/scene.json" <<'J'
     {"file": "grid.leaf", "tf": "auto", "transform": {"translate": [40, 0, 40]}}],
  "light": [[1, 0.4, 2, 1.5]], "shadows": true, "ambient": 0.1, "occlusion": "5,1", "light-samples": 2}
 J
+printf '%s\n' '-1 0 0 1 0' '1 1 0 0 0.1' >"$tmp/curve.txt"
+cat >"$tmp/more.json" <<'J'
+{"objects": [
+    {"file": "grid.leaf", "tf": "curve.txt"},
+    {"file": "tets.leaf", "iso": 0.35, "colour-by": "grid.leaf", "window": [0, 1], "transform": {"translate": [6, 2, 2]}},
+    {"file": "tri.leaf", "colour": "rebeccapurple", "transform": {"translate": [0, 0, 40]}},
+    {"file": "grid.leaf", "iso": [0.2, 0.6], "reflect": ["0.5,2", 0], "transform": {"translate": [40, 0, 0]}}],
+ "camera": {"look_at": [30, 16, 30], "eye": [150, -90, 90]}, "clip_box": [0, 0, 0, 60, 28, 60], "caps": "viridis", "shading": "phong",
+ "background": "0.9,0.9,1", "legend": true}
+J
 client "a scene" "$python" tests/support/view_page_scene.py "$leafcast" "$tmp"
 finish

@@ -20,7 +20,7 @@ ok "is refused" says "looked at alone"
 exits "--follow-links without a scene" 2 "$leafcast" view "$tmp/grid.leaf" --follow-links
 ok "is refused, too" says "--follow-links is of scene files"
 scene '{"objects": [{"file": "grid.leaf", "iso": 0.2}, {"file": "none.leaf"}]}'
-exits "a file that is not there" 3 "$leafcast" view "$tmp/x.json"
+exits "a file that is not there" 1 "$leafcast" view "$tmp/x.json"
 ok "is named" says none.leaf
 scene '{"objects": [{"file": "grid.leaf", "iso": 0.2}, {"file": "tets.leaf", "isos": 3}]}'
 exits "a key that is none" 2 "$leafcast" view "$tmp/x.json"

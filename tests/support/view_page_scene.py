@@ -2,7 +2,8 @@
 """view_page_scene.py LEAFCAST FOLDER - the page of leafcast view in headless Chromium, of a scene: it is turned, its objects are
 hidden, chosen and changed, and each picture is that of the copied command, of the scene that is saved where it has to be.
 
-FOLDER has scene.json: a grid, a mesh at two places, a surface, and the grid again as a medium, lit by a soft light.
+FOLDER has scene.json: a grid, a mesh at two places, a surface, and the grid again as a medium, lit by a soft light; and more.json:
+a medium by a file, what another volume colours, a surface and a mirror, cut by a box.
 A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
 """
 import json, os, shutil
@@ -17,9 +18,9 @@ def objects(b):
     return {o["index"]: o for o in b.flags().get("objects", [])}
 
 
-def same(b, name, is_saved):
+def same(b, name, is_saved, scene="scene"):
     """The canvas is what the copied command draws; of a scene that the page saves for it, or of scene.json."""
-    path = folder + "/saved/scene-view.json"
+    path = f"{folder}/saved/{scene}-view.json"
     if os.path.exists(path):
         os.remove(path)
     b.js("leafcast.copied = ''")
@@ -27,10 +28,10 @@ def same(b, name, is_saved):
     b.until("return leafcast.copied")
     line = b.js("return leafcast.copied")
     ok(f"{name}: the command is of {'a saved scene' if is_saved else 'the scene file'}",
-       line.startswith("leafcast render " + ("scene-view.json " if is_saved else "scene.json ")))
+       line.startswith(f"leafcast render {scene}{'-view' if is_saved else ''}.json "))
     if is_saved:
         saved(path)
-        shutil.move(path, folder + "/scene-view.json")
+        shutil.move(path, f"{folder}/{scene}-view.json")
     ok(f"{name}: the picture is that of the copied command", rgb(png_pixels(run_copied(b, "picture.png"))) == rgb(b.pixels()))
 
 
@@ -146,6 +147,37 @@ def pick(b):
     b.rest()
 
 
+def more(b):
+    """What no control of the page has is in what it says of the objects, and stays."""
+    s = Server([leafcast, "view", folder + "/more.json"])
+    b.open(s.url)
+    b.until("return leafcast.volume.scene.file === 'more.json'")
+    b.rest()
+    same(b, "more", False, "more")
+    for k in range(4):
+        b.js("leafcast.scene.choose(arguments[0])", k)
+        b.until("return leafcast.model && leafcast.volume.which === arguments[0]", k)
+        b.rest()
+        ok(f"more, {k}: nothing is changed by being chosen", "objects" not in b.flags())
+    b.js("leafcast.surfaces.list[0].opacity = 0.6; leafcast.changed(false)")
+    b.rest()
+    ok("more: a mirror stays one", objects(b)[3]["flags"]["reflect"] == ["0.5,2", "0,2"])
+    b.js("leafcast.scene.choose(1)")
+    b.until("return leafcast.model && leafcast.volume.which === 1")
+    b.js("leafcast.surfaces.set(0, 0.4, true)")
+    b.rest()
+    ok("more: what colours an object stays", objects(b)[1]["flags"]["colour-by"] == "grid.leaf" and
+       objects(b)[1]["flags"]["window"] == [0, 1])
+    same(b, "more, changed", True, "more")
+    b.js("leafcast.scene.choose(0)")
+    b.until("return leafcast.model && leafcast.volume.which === 0")
+    b.js("leafcast.model.clip.box = null; leafcast.changed(false)")
+    b.rest()
+    ok("more: the curve stays, and the box goes", "flags" not in objects(b).get(0, {}) and "clip-box" not in b.flags())
+    same(b, "more, whole", True, "more")
+    s.stop()
+
+
 def main():
     b = Browser()
     b.size(860, 400)
@@ -156,6 +188,7 @@ def main():
     change(b)
     bookmark(b, s.url)
     pick(b)
+    more(b)
     errors = [e["message"] for e in b.driver.get_log("browser") if e["level"] == "SEVERE" and "WebSocket" not in e["message"]]
     ok(f"no errors in the page {errors}", not errors)
     b.driver.quit()
