@@ -3,7 +3,7 @@
 hidden, chosen and changed, and each picture is that of the copied command, of the scene that is saved where it has to be.
 
 FOLDER has scene.json: a grid, a mesh at two places, a surface, and the grid again as a medium, lit by a soft light; and more.json:
-a medium by a file, what another volume colours, a surface and a mirror, cut by a box.
+a medium by a file, what another volume colours, a surface and a mirror, cut by a box; and steps.json: a mesh of two steps, twice.
 A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
 """
 import json, os, shutil
@@ -178,6 +178,23 @@ def more(b):
     s.stop()
 
 
+def steps(b):
+    """Objects of one file go through its steps together."""
+    s = Server([leafcast, "view", folder + "/steps.json"])
+    b.open(s.url)
+    b.until("return leafcast.volume.scene.file === 'steps.json'")
+    b.rest()
+    b.js("leafcast.data.go(1, false)")
+    b.rest()
+    ok("steps: both objects show the next one", [objects(b)[k]["flags"]["step"] for k in (0, 1)] == [1, 1] and 2 not in objects(b))
+    same(b, "steps", True, "steps")
+    b.js("leafcast.data.go(0, false)")
+    b.rest()
+    ok("steps: and the first one again", "objects" not in b.flags())
+    same(b, "steps, back", False, "steps")
+    s.stop()
+
+
 def main():
     b = Browser()
     b.size(860, 400)
@@ -189,6 +206,7 @@ def main():
     bookmark(b, s.url)
     pick(b)
     more(b)
+    steps(b)
     errors = [e["message"] for e in b.driver.get_log("browser") if e["level"] == "SEVERE" and "WebSocket" not in e["message"]]
     ok(f"no errors in the page {errors}", not errors)
     b.driver.quit()

@@ -3,7 +3,7 @@
 slices, previews, saved scenes; what does not fit, files that change, and COUNT messages that nobody should send.
 
 FOLDER has grid.leaf, tets.leaf, tri.leaf (a surface) and curve.txt. A line "ok NAME" or "not NAME" for each thing that is looked
-at, "end" at last. SEED=N reruns.
+at, "end" at last. SEED=N reruns. PEER: the leafcast whose pictures are compared (LEAFCAST).
 """
 import json, os, random, shutil, struct, subprocess, sys, urllib.parse
 
@@ -11,6 +11,7 @@ from view_client import Closed, Page, Server, ends, ok, png_pixels
 from view_usage import opened
 
 leafcast, folder, COUNT = sys.argv[1], sys.argv[2], int(sys.argv[3])
+peer = os.environ.get("PEER", leafcast)
 SEED = int(os.environ.get("SEED", "3"))
 W, H = 96, 64
 GRID = {"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "colour": "red", "opacity": 0.5}, {"isovalue": 0.6, "colour": [0, 1, 0]}]}
@@ -45,7 +46,7 @@ def rendered(path, state=None, *more):
     """Pixels of render's picture of a scene file; with a camera of a state's."""
     camera = [f"--{k}={','.join(map(repr, v)) if isinstance(v, list) else v}" for k, v in (state or {}).items()
               if k in ("eye", "look-at", "up", "fov", "ortho")]
-    subprocess.run([leafcast, "render", path, *camera, *more, "--size", f"{W}x{H}", "-o", folder + "/want.png", "--force", "-q"], check=True)
+    subprocess.run([peer, "render", path, *camera, *more, "--size", f"{W}x{H}", "-o", folder + "/want.png", "--force", "-q"], check=True)
     with open(folder + "/want.png", "rb") as f:
         return png_pixels(f.read())
 
@@ -126,7 +127,7 @@ def serve(s, state):
 
 def pick(s, page, state, path):
     shown(page, state)
-    subprocess.run([leafcast, "render", path, *[f"--{k}={','.join(map(repr, state[k]))}" for k in ("eye", "look-at", "up")],
+    subprocess.run([peer, "render", path, *[f"--{k}={','.join(map(repr, state[k]))}" for k in ("eye", "look-at", "up")],
                     f"--fov={state['fov']}", "--size", f"{W}x{H}", "--depth-f64", folder + "/want.f64", "--force", "-q"], check=True)
     with open(folder + "/want.f64", "rb") as f:
         depth = struct.unpack(f"<{W * H}d", f.read())
@@ -144,7 +145,7 @@ def pick(s, page, state, path):
     shown(page, state)
     page.send({"type": "pick", "id": 2, "point": [8, 8, 8]})
     got = page.text("picked")
-    want = json.loads(subprocess.run([leafcast, "probe", folder + "/tets.leaf", "--point", "8,8,8", "--json"], check=True,
+    want = json.loads(subprocess.run([peer, "probe", folder + "/tets.leaf", "--point", "8,8,8", "--json"], check=True,
                                      stdout=subprocess.PIPE).stdout)
     ok("a value in its own world", got["object"] == 1 and got["value"] == want["value"])
     page.send({"type": "slice", "slice": 1, "pane": 0, "state": {"axis": "z", "at": 8}, "width": 40, "height": 40})
@@ -152,7 +153,7 @@ def pick(s, page, state, path):
     while not head["final"]:
         head, data = page.message()[1]
         page.send({"type": "slice-seen", "slice": 1, "pane": 0})
-    subprocess.run([leafcast, "slice", folder + "/tets.leaf", "--axis", "z", "--at", "8", "--size", f"{head['width']}x{head['height']}", "-o",
+    subprocess.run([peer, "slice", folder + "/tets.leaf", "--axis", "z", "--at", "8", "--size", f"{head['width']}x{head['height']}", "-o",
                     folder + "/want.png", "--force", "-q"], check=True)
     with open(folder + "/want.png", "rb") as f:
         ok("a slice of it", png_pixels(f.read()) == png_pixels(data))
