@@ -218,8 +218,8 @@ typedef struct leafcast_scene {
     int clip_plane_count;
     leafcast_lod lod;
     uint32_t lod_level; /* 0 is full resolution; beyond the last level: the last one, but
-                           LEAFCAST_USAGE in a grid that has level 0 alone; at most
-                           LEAFCAST_LEVEL_MAX */
+                           LEAFCAST_USAGE of a volume that has level 0 alone, unless in a preview
+                           with others; at most LEAFCAST_LEVEL_MAX */
     bool preview; /* do not wait for all data. Draws a grid's isosurfaces alone at the finest level
                      of which few megabytes are absent, and waits for what it sees of that. Else
                      draws what is resident, the finest levels first, or a coarse grid where cells

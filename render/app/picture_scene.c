@@ -36,6 +36,11 @@ void picture_scene_release(picture_scene *p) {
     p->room = 0;
 }
 
+void picture_scene_renew(picture_scene *p) {
+    for (int i = 0; i < p->room; i++)
+        p->measured[i].known = false;
+}
+
 /* Make room for so many objects: the first picture of a run says how many all have. */
 static status make_room(picture_scene *p, int count) {
     if (count <= p->room)

@@ -54,9 +54,11 @@ typedef struct picture_scene {
 } picture_scene;
 
 /* picture_scene_init() - start empty; m allocates the transfer functions. picture_scene_release() -
- * call it in any case. */
+ * call it in any case. picture_scene_renew() - begin another run of pictures; files that flags have
+ * opened stay open. */
 void picture_scene_init(picture_scene *p, mem *m);
 void picture_scene_release(picture_scene *p);
+void picture_scene_renew(picture_scene *p);
 
 /* picture_scene_choose() - find the step of --time, and choose an isovalue if the flags give
  * neither isovalue nor medium. suggested: room for LEAFCAST_SUGGESTIONS_MAX; *count: how many are

@@ -28,6 +28,16 @@ static void choose_world(leafcast_options *options, const leafcast *volume) {
         options->axes = leafcast_describe(volume).axes;
 }
 
+/* Open a file; too little memory for it names it, as other errors do. */
+static status open_volume(const char *path, const leafcast_options *on, leafcast **volume) {
+    char why[STATUS_TEXT_MAX];
+    const status st = render_status(leafcast_open(path, on, volume));
+    if (st != ST_NOMEM)
+        return st;
+    snprintf(why, sizeof why, "%s", status_text());
+    return status_describe(st, "%s does not fit: %s", path, why);
+}
+
 /* Open all volumes on one device, which closes with them. */
 static status open_volumes(render_job *job, const char *path, const leafcast_options *options) {
     leafcast_options on = *options;
@@ -36,14 +46,14 @@ static status open_volumes(render_job *job, const char *path, const leafcast_opt
     on.threads = 0;
     on.isa = NULL;
     if (st == ST_OK)
-        st = render_status(leafcast_open(path, &on, &job->volume));
+        st = open_volume(path, &on, &job->volume);
     if (st == ST_OK)
         choose_world(&on, job->volume);
     for (int i = 0; i < job->also_count && st == ST_OK; i++) {
         render_also *also = &job->also[i];
         if (also->same >= 0)
             continue;
-        st = render_status(leafcast_open(also->path, &on, &also->volume));
+        st = open_volume(also->path, &on, &also->volume);
         if (st == ST_OK)
             choose_world(&on, also->volume);
     }
@@ -68,8 +78,8 @@ static void list_places(render_job *job, leafcast *volume, const view_options *v
             (picture_volume){volume, view, p->count > 0 ? p->at + 12 * (size_t)i : NULL, group};
 }
 
-/* List all objects of the pictures. */
-static status list_objects(render_job *job) {
+status render_job_list(render_job *job) {
+    job->object_count = 0;
     size_t count = (size_t)places_of(&job->places);
     for (int i = 0; i < job->also_count; i++)
         count += (size_t)places_of(&job->also[i].places);
@@ -86,6 +96,11 @@ static status list_objects(render_job *job) {
     return ST_OK;
 }
 
+void render_job_unlist(render_job *job) {
+    mem_free(&job->m, job->objects);
+    job->objects = NULL;
+}
+
 status render_job_open(render_job *job, const char *path, const leafcast_options *options) {
     mem_init(&job->m, 0);
     picture_scene_init(&job->scene, &job->m);
@@ -93,7 +108,7 @@ status render_job_open(render_job *job, const char *path, const leafcast_options
     job->source = path;
     status st = open_volumes(job, path, options);
     if (st == ST_OK)
-        st = list_objects(job);
+        st = render_job_list(job);
     if (st == ST_OK && job->group_count > 0)
         st = render_groups_place(job);
     job->scene.groups = job->placed;
@@ -122,8 +137,7 @@ void render_job_close(render_job *job) {
     job->face = NULL;
     image_out_close(job->files);
     job->files = NULL;
-    mem_free(&job->m, job->objects);
-    job->objects = NULL;
+    render_job_unlist(job);
     render_groups_release(job);
     for (int i = 0; i < job->also_count; i++) {
         if (job->also[i].same < 0)
@@ -366,8 +380,7 @@ static bool report(void *ctx, double done) {
     return !p->watch->stop || !p->watch->stop(p->watch->ctx);
 }
 
-/* Returns the objects of the picture that has these flags. */
-static const picture_volume *objects_of(const render_job *job, const view_options *first) {
+const picture_volume *render_job_objects(const render_job *job, const view_options *first) {
     for (int i = 0; i < places_of(&job->places); i++)
         job->objects[i].view = first;
     return job->objects;
@@ -554,7 +567,7 @@ static view_options hold_fitted(render_job *job, const view_options *view) {
     return held;
 }
 
-static leafcast_camera camera_of(render_job *job, const view_options *view) {
+leafcast_camera render_job_camera(render_job *job, const view_options *view) {
     const view_options held = hold_fitted(job, view);
     return view_camera_of(&held, job->volume);
 }
@@ -598,8 +611,8 @@ static status draw_first(render_job *job, const script_frame *frame, const leafc
 static status draw_picture(render_job *job, const script_frame *frame, targets *to,
                            render_stats *stats) {
     const bool progressive = is_progressive(job, frame);
-    const leafcast_camera seen_by = camera_of(job, &frame->view);
-    const picture_volume *volumes = objects_of(job, &frame->view);
+    const leafcast_camera seen_by = render_job_camera(job, &frame->view);
+    const picture_volume *volumes = render_job_objects(job, &frame->view);
     leafcast_scene scene;
     status st = picture_scene_describe(&job->scene, volumes, job->object_count, false, &scene);
     if (st == ST_OK)

@@ -91,6 +91,15 @@ void render_job_close(render_job *job);
  */
 CHECKED status render_job_check(const render_job *job, script_frame *frame);
 
+/* render_job_list() - list the objects of `volume` and `also`, which are open, in `objects`: freed
+ * by render_job_unlist(). render_job_objects() - returns them, for a picture whose first volume has
+ * these flags. render_job_camera() - returns the camera of a picture, of all objects if
+ * `fits_all`. */
+CHECKED status render_job_list(render_job *job);
+void render_job_unlist(render_job *job);
+const picture_volume *render_job_objects(const render_job *job, const view_options *first);
+leafcast_camera render_job_camera(render_job *job, const view_options *view);
+
 /* render_job_turn() - fix the view of a checked picture, turned by this share of a full turn, see
  * view_camera_turn(). */
 void render_job_turn(render_job *job, view_options *view, double share);

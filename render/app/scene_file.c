@@ -60,9 +60,7 @@ static status override(const render_options *o, view_options *view) {
     return st;
 }
 
-/* Put what one object shows into the flags of the picture, which are about its first volume, too.
- */
-static void take_first(view_options *to, const view_options *of) {
+void scene_file_take_first(view_options *to, const view_options *of) {
     memcpy(to->surfaces, of->surfaces, sizeof to->surfaces);
     to->isos = of->isos;
     to->colours = of->colours;
@@ -150,7 +148,7 @@ static status load(scene_reading *r, render_options *o, json_t *top) {
         st = override(o, &r->picture);
     if (st != ST_OK)
         return st;
-    take_first(&r->picture, &r->objects[0].view);
+    scene_file_take_first(&r->picture, &r->objects[0].view);
     return put_objects(r, o);
 }
 

@@ -18,4 +18,8 @@ bool scene_file_is(const char *path);
  * file, and the place in it. */
 CHECKED status scene_file_load(render_options *o);
 
+/* scene_file_take_first() - put what one object shows into the flags of the picture, which are
+ * about its first volume, too. */
+void scene_file_take_first(view_options *to, const view_options *of);
+
 #endif

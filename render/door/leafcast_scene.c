@@ -249,7 +249,7 @@ static status choose_walk(const leafcast *v, const leafcast_scene *scene,
 }
 
 status volume_check_level(const leafcast *v, const leafcast_scene *scene) {
-    const bool coarse = scene->preview && v->preview_levels > 1;
+    const bool coarse = scene->preview && (v->preview_levels > 1 || scene->volume_count > 1);
     if (scene->lod != LEAFCAST_LOD_LEVEL || scene->lod_level == 0 || coarse)
         return ST_OK;
     return status_describe(ST_USAGE,

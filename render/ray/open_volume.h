@@ -62,7 +62,7 @@ struct leafcast {
 CHECKED status volume_treelet(leafcast *v, uint32_t t, const treelet **out);
 
 /* volume_check_level() - ST_USAGE if a scene asks for a coarse level of a kind that has none, or
- * only in previews, by coarse grids. */
+ * only in previews, by coarse grids. Previews of several volumes take of each what it has. */
 CHECKED status volume_check_level(const leafcast *v, const leafcast_scene *scene);
 
 #endif

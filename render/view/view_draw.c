@@ -125,7 +125,7 @@ static void answer_pick(view_draw *d, view_seat *seat, const view_wish *wish, co
 static void tell_steps(view_draw *d, view_seat *seat) {
     const view_wish *wish = view_picture_wish(seat->picture);
     uint32_t field;
-    if (view_options_field(&wish->view, wish->volume, &field) == ST_OK)
+    if (view_options_field(view_wish_of_one(wish), wish->volume, &field) == ST_OK)
         say(d, seat, view_message_json(d->m, view_map_steps(d->m, wish->volume, field)));
 }
 
@@ -234,6 +234,7 @@ static view_seat *next_seat(view_draw *d, turn *t) {
 static void clear(view_seat *seat) {
     const size_t kept = offsetof(view_seat, taken); /* fields before are read without the lock */
     view_queue_clear(&seat->queue);
+    view_wish_release(&seat->wish);
     memset((char *)seat + kept, 0, sizeof *seat - kept);
 }
 
@@ -272,7 +273,7 @@ static void refresh_files(view_draw *d) {
 
 static void *draw_all(void *arg) {
     view_draw *d = arg;
-    view_wish *wish = mem_alloc(d->m, sizeof *wish);
+    view_wish *wish = mem_zalloc(d->m, sizeof *wish);
     turn t;
     pthread_mutex_lock(&d->lock);
     while (!d->ending && wish) {
@@ -284,7 +285,7 @@ static void *draw_all(void *arg) {
             continue;
         }
         if (t.begin || t.pick)
-            *wish = seat->wish;
+            view_wish_copy(wish, &seat->wish);
         if (t.begin)
             seat->wanted = false;
         if (t.pick) {
@@ -300,6 +301,8 @@ static void *draw_all(void *arg) {
             clear(seat);
     }
     pthread_mutex_unlock(&d->lock);
+    if (wish)
+        view_wish_release(wish);
     mem_free(d->m, wish);
     return NULL;
 }
@@ -316,6 +319,7 @@ static void wake(void *ctx) {
 static void release(view_draw *d) {
     for (int i = 0; i < VIEW_SEATS_MAX; i++) {
         view_queue_clear(&d->seats[i].queue);
+        view_wish_release(&d->seats[i].wish);
         view_picture_destroy(d->seats[i].picture);
         view_slices_destroy(d->seats[i].slices);
     }
@@ -410,7 +414,7 @@ void view_draw_leave(view_seat *seat) {
 
 void view_seat_want(view_seat *seat, const view_wish *wish) {
     pthread_mutex_lock(&seat->draw->lock);
-    seat->wish = *wish;
+    view_wish_copy(&seat->wish, wish);
     seat->wanted = seat->any = true;
     view_picture_cancel_rest(seat->picture);
     pthread_cond_signal(&seat->draw->work);

@@ -6,6 +6,7 @@
 #include "formats/base/child.h"
 #include "formats/base/cli.h"
 #include "formats/base/cli_value.h"
+#include "render/app/scene_file.h"
 #include "render/view/view_access.h"
 #include "render/view/view_listen.h"
 #include "render/view/view_server.h"
@@ -17,20 +18,24 @@ typedef struct view_verb {
     cli_common common;
     int port;
     const char *address, *isa;
-    bool open;
+    bool open, follow_links;
     mem m;
-    view_file files[FILES_MAX];
+    view_file *files;
+    int file_count;
+    view_scene *scene; /* whose objects these files are; or NULL */
     int listener;
     char token[VIEW_TOKEN_TEXT];
 } view_verb;
 
-enum { PORT = 0x3000, ADDRESS, OPEN, ISA };
+enum { PORT = 0x3000, ADDRESS, OPEN, ISA, FOLLOW_LINKS };
 
 static const struct argp_option OPTIONS[] = {
     {"port", PORT, "N", CLI_BASIC, "where the page is served; 0: any that is free (0)", 0},
     {"address", ADDRESS, "IP", CLI_BASIC,
      "listen there, too far for this machine alone: who knows the token can look (127.0.0.1)", 0},
     {"open", OPEN, NULL, CLI_BASIC, "open the page in the browser, by xdg-open", 0},
+    {"follow-links", FOLLOW_LINKS, NULL, 0,
+     "a scene file may name files anywhere, not only in its own folder", 0},
     {"isa", ISA, "auto|scalar|sse42|avx2|avx512", CLI_EXPERIMENT,
      "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
@@ -42,6 +47,7 @@ static status set_option(void *own, int key, const char *text) {
     case ADDRESS: o->address = text; return ST_OK;
     case OPEN: o->open = true; return ST_OK;
     case ISA: o->isa = text; return ST_OK;
+    case FOLLOW_LINKS: o->follow_links = true; return ST_OK;
     default: return ST_AGAIN;
     }
 }
@@ -51,22 +57,64 @@ static status check_options(void *own) {
     return o->common.input ? ST_OK : status_describe(ST_USAGE, "which treelet file?");
 }
 
+static bool is_scene(const view_verb *o) {
+    bool is = false;
+    for (int i = 0; i < o->common.input_count && !is; i++)
+        is = scene_file_is(o->common.inputs[i]);
+    return is;
+}
+
+/* Open the files of all objects of a scene. */
+static status open_scene(view_verb *o, const leafcast_options *options) {
+    if (o->common.input_count > 1)
+        return status_describe(ST_USAGE, "a scene file is looked at alone");
+    status st = view_scene_open(o->common.input, o->follow_links, options, &o->scene);
+    if (st != ST_OK)
+        return st;
+    o->files = mem_array(&o->m, (size_t)o->scene->count, sizeof *o->files);
+    if (!o->files)
+        return ST_NOMEM;
+    for (o->file_count = 0; o->file_count < o->scene->count; o->file_count++)
+        o->files[o->file_count] = (view_file){view_scene_path(o->scene, o->file_count),
+                                              view_scene_volume(o->scene, o->file_count)};
+    return ST_OK;
+}
+
 /* Open all files on one device, which closes with them. */
+static status open_volumes(view_verb *o, leafcast_options *options) {
+    o->files = mem_array(&o->m, (size_t)o->common.input_count, sizeof *o->files);
+    if (!o->files)
+        return ST_NOMEM;
+    status st = (status)leafcast_device_create(options, &options->device);
+    options->memory = 0;
+    options->threads = 0;
+    options->isa = NULL;
+    for (int i = 0; i < o->common.input_count && st == ST_OK; i++) {
+        o->files[i].path = o->common.inputs[i];
+        st = (status)leafcast_open(o->files[i].path, options, &o->files[i].volume);
+        o->file_count = i + 1;
+    }
+    leafcast_device_destroy(options->device);
+    return st;
+}
+
 static status open_files(view_verb *o) {
     leafcast_options options = {.size = sizeof options,
                                 .memory = o->common.memory,
                                 .threads = o->common.threads,
                                 .isa = o->isa};
-    status st = (status)leafcast_device_create(&options, &options.device);
-    options.memory = 0;
-    options.threads = 0;
-    options.isa = NULL;
-    for (int i = 0; i < o->common.input_count && st == ST_OK; i++) {
-        o->files[i].path = o->common.inputs[i];
-        st = (status)leafcast_open(o->files[i].path, &options, &o->files[i].volume);
-    }
-    leafcast_device_destroy(options.device);
-    return st;
+    if (is_scene(o))
+        return open_scene(o, &options);
+    if (o->follow_links)
+        return status_describe(ST_USAGE, "--follow-links is of scene files");
+    return open_volumes(o, &options);
+}
+
+static void close_files(view_verb *o) {
+    for (int i = 0; i < o->file_count && !o->scene; i++)
+        leafcast_close(o->files[i].volume);
+    view_scene_close(o->scene);
+    mem_free(&o->m, o->files);
 }
 
 /* From this many cells on, media and projections are drawn in few pixels, or late, while a hand
@@ -109,8 +157,9 @@ static status announce(const view_verb *o, const char *url) {
     cli_results(&o->common, false);
     printf("%s\n", url);
     const status st = cli_flush();
-    for (int i = 0; i < o->common.input_count; i++)
-        tell_slow(o, &o->files[i]);
+    for (int i = 0; i < o->file_count; i++)
+        if (!o->scene || view_scene_keeper(o->scene, i) == i)
+            tell_slow(o, &o->files[i]);
     if (st == ST_OK && o->open)
         open_page(o, url);
     return st;
@@ -124,7 +173,8 @@ static bool stops(void *ctx) {
 
 static status serve(view_verb *o, view_life *life) {
     const view_server_options options = {.files = o->files,
-                                         .file_count = o->common.input_count,
+                                         .file_count = o->file_count,
+                                         .scene = o->scene,
                                          .machine = {o->common.memory, o->common.threads, o->isa},
                                          .address = o->address,
                                          .listener = o->listener,
@@ -150,8 +200,7 @@ static int draw(view_verb *o, view_life *life) {
     status st = open_files(o);
     if (st == ST_OK)
         st = serve(o, life);
-    for (int i = 0; i < FILES_MAX; i++)
-        leafcast_close(o->files[i].volume);
+    close_files(o);
     return cli_finish(&o->common, st);
 }
 
@@ -209,9 +258,9 @@ int main(int argc, char **argv) {
         .check = check_options,
         .input = "treelet file",
         .inputs_max = FILES_MAX,
-        .args_doc = "F.leaf [G.leaf ...]",
-        .doc = "Look at treelet files in a browser: isosurfaces, media, projections, "
-               "clips, live; prints the "
+        .args_doc = "F.leaf [G.leaf ...]\nscene.json",
+        .doc = "Look at treelet files, or at a scene of many, in a browser: isosurfaces, media, "
+               "projections, clips, live; prints the "
                "address of the page, and serves it until Ctrl-C.\v"
                "Example:\n  leafcast view bonsai.leaf --open\v"
                "The page is served on this machine alone, to whoever knows the "

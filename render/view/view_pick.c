@@ -1,8 +1,11 @@
 #include "render/view/view_pick.h"
 
+#include <math.h>
+
 #include "formats/base/cli_json.h"
 #include "render/app/cell_text.h"
 #include "render/app/view_camera.h"
+#include "render/view/view_cast.h"
 
 static json_t *vector(const double x[3]) {
     json_t *list = json_array();
@@ -17,12 +20,14 @@ static void set_cell(json_t *out, const leafcast *volume, uint32_t level, uint64
     json_object_set_new(out, leafcast_describe(volume).cell, cell_text_json(&c));
 }
 
-static void describe_hit(json_t *out, const view_wish *wish, const leafcast_hit *h) {
+/* v: the flags of the volume that was hit. */
+static void describe_hit(json_t *out, const view_options *v, const leafcast *volume,
+                         const leafcast_hit *h) {
     uint32_t field;
     json_object_set_new(out, "point", vector(h->point));
     json_object_set_new(out, "t", cli_json_real(h->t));
-    if (!wish->view.is_surface) {
-        const double isovalue = wish->view.surfaces[h->surface].isovalue;
+    if (!v->is_surface) {
+        const double isovalue = v->surfaces[h->surface].isovalue;
         json_object_set_new(out, "value", cli_json_real(isovalue));
         json_object_set_new(out, "isovalue", cli_json_real(isovalue));
     }
@@ -30,8 +35,8 @@ static void describe_hit(json_t *out, const view_wish *wish, const leafcast_hit 
     json_object_set_new(out, "normal", vector(h->normal));
     json_object_set_new(out, "error_bound", cli_json_real(h->error_bound));
     json_object_set_new(out, "surface", json_integer(h->surface));
-    set_cell(out, wish->volume, h->level, h->cell);
-    if (view_options_field(&wish->view, wish->volume, &field) == ST_OK)
+    set_cell(out, volume, h->level, h->cell);
+    if (view_options_field(v, volume, &field) == ST_OK)
         json_object_set_new(out, "field", json_integer(field));
 }
 
@@ -60,36 +65,113 @@ static status first_hit(mem *m, view_wish *wish, const double at[2], leafcast_hi
     return st;
 }
 
+/* ---- Of a scene ---- */
+
+/* Find the first hit of one object, if it is nearer than *hit. */
+static status nearer_hit(const picture_volume *object, const view_options *first,
+                         const double origin[3], const double direction[3], leafcast_hit *hit,
+                         bool *found) {
+    const view_options *v = object->view;
+    leafcast_scene_experiments experiments;
+    leafcast_scene scene = view_options_scene(first, &experiments);
+    leafcast_hit own;
+    int count = 0;
+    uint32_t field;
+    *found = false;
+    status st = view_options_field(v, object->volume, &field);
+    if (st != ST_OK || v->isos == 0)
+        return st;
+    const leafcast_shown shown = {.volume = object->volume,
+                                  .field = field,
+                                  .step = v->step,
+                                  .surfaces = v->surfaces,
+                                  .count = v->isos,
+                                  .between = v->time.between,
+                                  .place = object->place};
+    scene.volumes = &shown;
+    scene.volume_count = 1;
+    st = (status)leafcast_probe_ray(object->volume, &scene, origin, direction, &own, 1, &count);
+    *found = st == ST_OK && count > 0 && own.t < hit->t;
+    if (*found)
+        *hit = own;
+    return st;
+}
+
+static status pick_in_cast(view_cast *cast, const double at[2], json_t **answer) {
+    const view_options *first = &cast->frame.view;
+    const picture_volume *objects = render_job_objects(&cast->job, first);
+    const leafcast_camera camera = render_job_camera(&cast->job, first);
+    leafcast_hit hit = {.t = INFINITY};
+    double origin[3], direction[3];
+    int nearest = -1;
+    status st = ST_OK;
+    leafcast_pixel_ray(&camera, at[0], at[1], origin, direction);
+    for (int i = 0; i < cast->job.object_count && st == ST_OK; i++) {
+        bool found;
+        st = nearer_hit(&objects[i], first, origin, direction, &hit, &found);
+        nearest = found ? i : nearest;
+    }
+    if (st != ST_OK)
+        return st;
+    *answer = json_pack("{s:s,s:b}", "type", "picked", "hit", (int)(nearest >= 0));
+    if (nearest < 0)
+        return ST_OK;
+    json_object_set_new(*answer, "object", json_integer(cast->owner[nearest]));
+    describe_hit(*answer, objects[nearest].view, objects[nearest].volume, &hit);
+    return ST_OK;
+}
+
+static status pick_in_scene(mem *m, const view_wish *wish, const double at[2], json_t **answer) {
+    view_cast *cast = NULL;
+    status st = view_cast_make(m, wish->scene, &wish->view, wish->changes, &cast);
+    if (st == ST_OK)
+        st = pick_in_cast(cast, at, answer);
+    view_cast_free(m, cast);
+    return st;
+}
+
+/* ---- Of one volume ---- */
+
 static status pick_pixel(mem *m, const view_wish *wish, const double at[2], json_t **answer) {
     leafcast_hit hit;
     int count = 0;
-    view_wish *copy = mem_alloc(m, sizeof *copy);
+    view_wish *copy = mem_zalloc(m, sizeof *copy);
     if (!copy)
         return ST_NOMEM;
-    *copy = *wish;
+    view_wish_copy(copy, wish);
     const status st = first_hit(m, copy, at, &hit, &count);
     if (st == ST_OK) {
         *answer = json_pack("{s:s,s:b}", "type", "picked", "hit", count > 0);
         if (count > 0)
-            describe_hit(*answer, copy, &hit);
+            describe_hit(*answer, &copy->view, copy->volume, &hit);
     }
+    view_wish_release(copy);
     mem_free(m, copy);
     return st;
 }
 
+/* A point in the world of the wish's volume, wherever that is in a scene. */
 static status pick_point(const view_wish *wish, const double point[3], json_t **answer) {
+    const view_options *v = view_wish_of_one(wish);
+    double between = v->time.between;
+    uint32_t field, step = v->step;
+    time_options when = v->time;
     leafcast_sample sample;
-    uint32_t field;
-    status st = view_options_field(&wish->view, wish->volume, &field);
+    status st = view_options_field(v, wish->volume, &field);
+    if (st == ST_OK && wish->scene) {
+        st = time_options_find(&when, wish->volume, &step);
+        between = when.between;
+    }
     if (st == ST_OK)
-        st = (status)leafcast_select_between(wish->volume, field, wish->view.step,
-                                             wish->view.time.between);
+        st = (status)leafcast_select_between(wish->volume, field, step, between);
     if (st == ST_OK)
         st = (status)leafcast_probe_point(wish->volume, point, &sample);
     if (st != ST_OK)
         return st;
     *answer = json_pack("{s:s,s:b}", "type", "picked", "hit", (int)sample.inside);
     json_object_set_new(*answer, "point", vector(point));
+    if (wish->scene)
+        json_object_set_new(*answer, "object", json_integer(wish->chosen));
     if (!sample.inside)
         return ST_OK;
     json_object_set_new(*answer, "value", cli_json_real(sample.value));
@@ -100,6 +182,8 @@ static status pick_point(const view_wish *wish, const double point[3], json_t **
 }
 
 status view_pick(mem *m, const view_wish *wish, const view_place *place, json_t **answer) {
-    return place->in_world ? pick_point(wish, place->point, answer)
-                           : pick_pixel(m, wish, place->pixel, answer);
+    if (place->in_world)
+        return pick_point(wish, place->point, answer);
+    return wish->scene ? pick_in_scene(m, wish, place->pixel, answer)
+                       : pick_pixel(m, wish, place->pixel, answer);
 }

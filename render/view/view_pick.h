@@ -13,8 +13,9 @@ typedef struct view_place {
     double pixel[2], point[3];
 } view_place;
 
-/* view_pick() - find the first hit of the pixel's ray, or the value at the point, as `leafcast
- * probe` does. *answer has no id yet and is the caller's. ST_USAGE: the wish cannot be drawn. */
+/* view_pick() - find the first hit of the pixel's ray, of a scene that of the nearest object, or
+ * the value at the point, as `leafcast probe` does. *answer has no id yet and is the caller's.
+ * ST_USAGE: the wish cannot be drawn. */
 CHECKED status view_pick(mem *m, const view_wish *wish, const view_place *place, json_t **answer);
 
 #endif

@@ -8,7 +8,10 @@
 #include "formats/base/clock.h"
 #include "render/app/picture_png.h"
 #include "render/app/view_camera.h"
+#include "render/view/view_cast.h"
+#include "render/view/view_planes.h"
 #include "render/view/view_stride.h"
+#include "render/view/view_task.h"
 #include "render/view/view_where.h"
 
 /* A preview saves time: one ray per pixel, and media with at least this error bound. */
@@ -27,27 +30,21 @@
 
 typedef enum phase { IDLE, PREVIEW, BETTER, EXACT, FINAL, WRITING } phase;
 
-/* Kinds of scenes; the times of each are learned separately. */
-typedef enum way { SURFACES, BEHIND, MEDIA, SHADED, EXTREMES, MEANS, WAYS } way;
-
-/* A picture's planes, and their size. */
-typedef struct planes {
-    uint32_t width, height;
-    leafcast_image image;
-} planes;
-
 struct view_picture {
     view_tools tools;
     phase phase;
     view_wish wish;
-    view_stride stride; /* of the steps of its volume */
-    picture_volume volume;
+    view_stride stride;            /* of the steps of its volume */
+    view_cast *cast;               /* what a scene shows; NULL: it is one volume */
+    picture_volume volume;         /* that volume */
+    const picture_volume *objects; /* object_count of them */
+    int object_count;
     picture_scene parts;
     leafcast_scene scene;
     leafcast_camera camera; /* for the whole picture */
     uint64_t beside;
-    planes now, base;     /* base: the preview of this view, if any */
-    pthread_mutex_t lock; /* guards the next two */
+    view_planes now, base; /* base: the preview of this view, if any */
+    pthread_mutex_t lock;  /* guards the next two */
     leafcast_frame *frame;
     bool frame_is_preview;
     /* For the drawing thread, from here on: */
@@ -61,9 +58,25 @@ struct view_picture {
     uint64_t writing_bytes; /* bytes of that file's planes */
     bool ready;             /* a moving preview is complete and waits until it may be sent */
     double drawn_s, next_s; /* time of this frame so far; when the next part is due */
-    const leafcast *paced;  /* the volume that `paces` are about */
-    view_pace paces[WAYS];
+    const void *paced;      /* the volume or scene that `paces` are about */
+    view_pace paces[VIEW_WAYS];
 };
+
+void view_wish_release(view_wish *w) {
+    view_changes_drop(w->changes);
+    w->changes = NULL;
+}
+
+void view_wish_copy(view_wish *to, const view_wish *from) {
+    view_changes *held = view_changes_hold(from->changes);
+    view_wish_release(to);
+    *to = *from;
+    to->changes = held;
+}
+
+const view_options *view_wish_of_one(const view_wish *w) {
+    return w->scene ? view_changes_view(w->changes, w->scene, w->chosen) : &w->view;
+}
 
 status view_picture_create(const view_tools *tools, view_picture **out) {
     view_picture *p = mem_zalloc(tools->m, sizeof *p);
@@ -78,20 +91,6 @@ status view_picture_create(const view_tools *tools, view_picture **out) {
 }
 
 /* ---- Planes ---- */
-
-static void planes_release(mem *m, planes *p) {
-    view_file_free_planes(m, &p->image);
-    *p = (planes){0};
-}
-
-static uint64_t planes_bytes(const planes *p) {
-    const leafcast_image *i = &p->image;
-    const uint64_t one = 3 * sizeof(float) + 1 + (i->a ? sizeof(float) : 0) +
-                         (i->error ? sizeof(double) : 0) + (i->z ? sizeof(double) : 0) +
-                         (i->id ? 3 * sizeof(float) + sizeof(int32_t) : 0) +
-                         (i->value ? sizeof(double) : 0);
-    return i->r ? one * p->width * p->height : 0;
-}
 
 static bool is_preview(const view_picture *p) {
     return p->phase == PREVIEW || p->phase == BETTER;
@@ -127,76 +126,6 @@ static leafcast_image planes_wanted(const view_picture *p) {
                             .provisional = p->wish.file ? NULL : &any_byte};
 }
 
-/* Make a plane, if it is wanted. Zero it if parts of it will be shown. Otherwise a picture writes
- * all of it, and touching it here would take long. */
-static void *make_plane(mem *m, const void *wanted, size_t count, size_t size, bool zeroed) {
-    if (!wanted)
-        return NULL;
-    return zeroed ? mem_array(m, count, size) : mem_alloc(m, count * size);
-}
-
-/* Make the planes, with all pixels provisional. */
-static status planes_make(mem *m, const leafcast_image *w, uint32_t width, uint32_t height,
-                          planes *out) {
-    const size_t count = (size_t)width * height;
-    const bool zeroed = w->provisional;
-    leafcast_image *i = &out->image;
-    *out = (planes){.width = width, .height = height, .image = {.size = sizeof *i}};
-    i->r = make_plane(m, w->r, count, sizeof *i->r, zeroed);
-    i->g = make_plane(m, w->g, count, sizeof *i->g, zeroed);
-    i->b = make_plane(m, w->b, count, sizeof *i->b, zeroed);
-    i->a = make_plane(m, w->a, count, sizeof *i->a, zeroed);
-    i->z = make_plane(m, w->z, count, sizeof *i->z, zeroed);
-    i->error = make_plane(m, w->error, count, sizeof *i->error, zeroed);
-    i->value = make_plane(m, w->value, count, sizeof *i->value, zeroed);
-    i->id = make_plane(m, w->id, count, sizeof *i->id, zeroed);
-    i->provisional = make_plane(m, w->provisional, count, sizeof *i->provisional, zeroed);
-    bool failed = !i->r || !i->g || !i->b || !i->a != !w->a || !i->z != !w->z ||
-                  !i->error != !w->error || !i->value != !w->value || !i->id != !w->id ||
-                  !i->provisional != !w->provisional;
-    for (int k = 0; k < 3; k++) {
-        i->normal[k] = make_plane(m, w->normal[k], count, sizeof(float), zeroed);
-        failed |= !i->normal[k] != !w->normal[k];
-    }
-    if (failed) {
-        planes_release(m, out);
-        return ST_NOMEM;
-    }
-    if (i->provisional)
-        memset(i->provisional, 1, count);
-    return ST_OK;
-}
-
-/* Fill the planes with the enlarged preview, for pixels that are not drawn yet. */
-static void planes_enlarge(const planes *from, planes *to) {
-    float *const a[4] = {from->image.r, from->image.g, from->image.b, from->image.a};
-    float *const b[4] = {to->image.r, to->image.g, to->image.b, to->image.a};
-    for (uint32_t y = 0; y < to->height; y++) {
-        const size_t above = (size_t)((uint64_t)y * from->height / to->height) * from->width;
-        for (uint32_t x = 0; x < to->width; x++) {
-            const size_t in = above + (size_t)((uint64_t)x * from->width / to->width);
-            for (int c = 0; c < 4; c++)
-                if (a[c] && b[c])
-                    b[c][(size_t)y * to->width + x] = a[c][in];
-        }
-    }
-}
-
-/* Mark all pixels as not drawn, by NaN in the red plane. */
-static void planes_blank(const planes *of) {
-    const size_t count = (size_t)of->width * of->height;
-    for (size_t i = 0; i < count; i++)
-        of->image.r[i] = NAN;
-}
-
-static double planes_share(const planes *of) {
-    const size_t count = (size_t)of->width * of->height;
-    size_t drawn = 0;
-    for (size_t i = 0; i < count; i++)
-        drawn += !isnan(of->image.r[i]);
-    return (double)drawn / (double)count;
-}
-
 /* ---- Beginning and ending ---- */
 
 static void set_frame(view_picture *p, leafcast_frame *frame) {
@@ -226,34 +155,39 @@ void view_picture_stop(view_picture *p) {
     set_frame(p, NULL);
     view_file_end(p->writing);
     p->writing = NULL;
-    planes_release(p->tools.m, &p->now);
-    planes_release(p->tools.m, &p->base);
-    picture_scene_release(&p->parts);
+    view_planes_release(p->tools.m, &p->now);
+    view_planes_release(p->tools.m, &p->base);
+    if (!p->wish.scene)
+        picture_scene_release(&p->parts);
+    view_cast_free(p->tools.m, p->cast);
+    p->cast = NULL;
     p->phase = IDLE;
     p->ready = false;
 }
 
 void view_picture_leave(view_picture *p) {
     view_picture_stop(p);
+    picture_scene_release(&p->parts);
+    for (int i = 0; p->wish.scene && i < p->wish.scene->count; i++)
+        leafcast_stop_reading(view_scene_volume(p->wish.scene, i));
     if (p->wish.volume)
         leafcast_stop_reading(p->wish.volume);
     p->wish.volume = NULL;
+    view_wish_release(&p->wish);
 }
 
 void view_picture_destroy(view_picture *p) {
     if (!p)
         return;
     view_picture_stop(p);
+    picture_scene_release(&p->parts);
+    view_wish_release(&p->wish);
     pthread_mutex_destroy(&p->lock);
     mem_free(p->tools.m, p);
 }
 
-/* Check the wish, as render checks a picture. */
-static status check(view_picture *p) {
-    view_options *v = &p->wish.view;
-    const leafcast_camera *size = &v->camera;
-    double suggested[LEAFCAST_SUGGESTIONS_MAX];
-    int count;
+static status check_size(const view_picture *p) {
+    const leafcast_camera *size = &p->wish.view.camera;
     if (size->width < 1 || size->height < 1 || size->width > VIEW_SIDE_MAX ||
         size->height > VIEW_SIDE_MAX || (uint64_t)size->width * size->height > VIEW_PIXELS_MAX)
         return status_describe(
@@ -263,71 +197,62 @@ static status check(view_picture *p) {
         (uint64_t)size->width * size->height > VIEW_EXR_PIXELS_MAX)
         return status_describe(ST_USAGE, "an EXR of %u x %u: it may have %d pixels in all",
                                size->width, size->height, VIEW_EXR_PIXELS_MAX);
+    return ST_OK;
+}
+
+/* Check the wish, as render checks a picture of one volume. */
+static status check_volume(view_picture *p) {
+    view_options *v = &p->wish.view;
+    double suggested[LEAFCAST_SUGGESTIONS_MAX];
+    int count;
     status st = picture_scene_choose(p->wish.volume, v, suggested, &count);
     if (st == ST_OK)
         st = view_options_check(v);
     return st == ST_OK ? view_options_check_volume(v, p->wish.volume) : st;
 }
 
+/* Choose what is drawn of a scene. */
+static status cast_scene(view_picture *p) {
+    const view_wish *w = &p->wish;
+    const status st = view_cast_make(p->tools.m, w->scene, &w->view, w->changes, &p->cast);
+    if (st != ST_OK)
+        return st;
+    p->wish.view = p->cast->frame.view;
+    p->objects = render_job_objects(&p->cast->job, &p->wish.view);
+    p->object_count = p->cast->job.object_count;
+    picture_scene_renew(&p->parts);
+    p->parts.opens = true; /* what the scene file names */
+    return ST_OK;
+}
+
+/* Choose and check what is drawn, and by which camera. */
+static status cast(view_picture *p) {
+    status st = check_size(p);
+    p->volume = (picture_volume){p->wish.volume, &p->wish.view, NULL, 0};
+    p->objects = &p->volume;
+    p->object_count = 1;
+    if (st == ST_OK && !p->wish.scene)
+        picture_scene_init(&p->parts, p->tools.m);
+    if (st == ST_OK)
+        st = p->wish.scene ? cast_scene(p) : check_volume(p);
+    if (st == ST_OK)
+        st = picture_scene_describe(&p->parts, p->objects, p->object_count, true, &p->scene);
+    if (st == ST_OK)
+        p->camera = p->cast ? render_job_camera(&p->cast->job, &p->wish.view)
+                            : view_camera_of(&p->wish.view, p->wish.volume);
+    return st;
+}
+
 /* ---- The pace ---- */
 
-static way way_of(const leafcast_scene *scene, const view_options *v) {
-    bool behind = scene->shadows;
-    for (int i = 0; i < v->isos; i++)
-        behind |= v->surfaces[i].opacity < 1.0f;
-    if (scene->project != LEAFCAST_PROJECT_NONE)
-        return scene->project == LEAFCAST_PROJECT_MEAN ? MEANS : EXTREMES;
-    if (scene->media_count > 0)
-        return scene->shade_media ? SHADED : MEDIA;
-    return behind ? BEHIND : SURFACES;
-}
-
-/* Returns the number of cells in the width of a pixel, where the volume is nearest to the eye. */
-static double cells_of(const leafcast_camera *c, const leafcast_info *info) {
-    double square = 0.0;
-    for (int a = 0; a < 3; a++) {
-        const double nearest = fmin(fmax(c->eye[a], info->bounds[0][a]), info->bounds[1][a]);
-        square += (c->eye[a] - nearest) * (c->eye[a] - nearest);
-    }
-    const double across = c->ortho_height != 0.0
-                              ? c->ortho_height
-                              : 2.0 * sqrt(square) * tan(c->fov * (M_PI / 360.0));
-    return across / (c->height * info->cell_size);
-}
-
-/* Returns a guess for the first picture: seconds per pixel on two CPUs, of volumes that are not
- * small. */
-static double guess_of(way of) {
-    static const double guesses[WAYS] = {0.10e-6, 0.3e-6, 0.8e-6, 3e-6, 0.8e-6, 3e-6};
-    return guesses[of];
-}
-
-/* Returns the cost of cells relative to those of a regular grid of their size, if all segments of a
- * ray are needed. Measured: of tets 3 to 22 times, with 0.2 to 11 million of them. Of thinned
- * curvilinear grids with 36 to 260 thousand cells, relative to the grid inside: media 9 to 19
- * times, projections 21 to 72. Half of that remains, as view_pace.h already counts 2 for a finer
- * level. */
-static double apart_of(const leafcast_info *info, way of) {
-    const bool thinned = info->cell_levels > info->levels;
-    if (of == SURFACES || of == BEHIND || info->preview_levels == info->levels)
-        return 1.0;
-    return thinned && (of == EXTREMES || of == MEANS) ? 20.0 : 8.0;
-}
-
 static void set_pace(view_picture *p) {
-    const leafcast_info info = leafcast_describe(p->wish.volume);
-    const way of = way_of(&p->scene, &p->wish.view);
-    if (p->paced != p->wish.volume)
+    const view_way of = view_task_way(&p->scene, &p->wish.view);
+    const void *paced = p->wish.scene ? (const void *)p->wish.scene : p->wish.volume;
+    if (p->paced != paced)
         memset(p->paces, 0, sizeof p->paces);
-    p->paced = p->wish.volume;
+    p->paced = paced;
     p->pace = &p->paces[of];
-    p->task = (view_task){.width = p->camera.width,
-                          .height = p->camera.height,
-                          .levels = p->scene.lod == LEAFCAST_LOD_PIXEL ? 1 : info.preview_levels,
-                          .cells = cells_of(&p->camera, &info),
-                          .guess = guess_of(of),
-                          .slow = info.cell_levels,
-                          .apart = apart_of(&info, of)};
+    p->task = view_task_of(p->objects, p->object_count, &p->scene, &p->camera, of);
 }
 
 /* Returns the expected time of the whole picture in seconds, by earlier pictures. */
@@ -353,31 +278,25 @@ static phase after_preview(view_picture *p) {
 
 static void expect_next(view_picture *p, const view_wish *now) {
     const uint32_t steps = leafcast_describe(now->volume).steps;
+    const view_options *v = view_wish_of_one(now);
     uint32_t field;
     if (now->volume != p->wish.volume)
         p->stride = (view_stride){false, 0, 0, 0};
     /* A wrong step is refused when the picture is described. */
-    if (now->view.step < steps && view_options_field(&now->view, now->volume, &field) == ST_OK)
-        (void)leafcast_expect_set(now->volume, field,
-                                  view_stride_next(&p->stride, now->view.step, steps));
+    if (v->step < steps && view_options_field(v, now->volume, &field) == ST_OK)
+        (void)leafcast_expect_set(now->volume, field, view_stride_next(&p->stride, v->step, steps));
 }
 
 status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t beside) {
     view_picture_stop(p);
     expect_next(p, wish);
-    p->wish = *wish;
-    p->volume = (picture_volume){wish->volume, &p->wish.view, NULL, 0};
+    view_wish_copy(&p->wish, wish);
     p->beside = beside;
     p->part = 0;
     p->overdue = false;
-    status st = check(p);
+    const status st = cast(p);
     if (st != ST_OK)
         return st;
-    picture_scene_init(&p->parts, p->tools.m);
-    st = picture_scene_describe(&p->parts, &p->volume, 1, true, &p->scene);
-    if (st != ST_OK)
-        return st;
-    p->camera = view_camera_of(&p->wish.view, p->wish.volume);
     set_pace(p);
     const bool soon =
         p->pace->cost[0] > 0.0 && whole_s(p) < SOON_S && p->stats.provisional_pixels == 0;
@@ -387,8 +306,12 @@ status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t besid
 
 /* Returns the level of detail that the state asks for, at most the last one. */
 static uint32_t asked_level(const view_picture *p) {
-    const uint32_t asked = p->scene.lod == LEAFCAST_LOD_LEVEL ? p->scene.lod_level : 0,
-                   last = leafcast_describe(p->wish.volume).preview_levels - 1;
+    const uint32_t asked = p->scene.lod == LEAFCAST_LOD_LEVEL ? p->scene.lod_level : 0;
+    uint32_t last = 0;
+    for (int i = 0; i < p->object_count && asked > 0; i++) {
+        const uint32_t own = leafcast_describe(p->objects[i].volume).preview_levels - 1;
+        last = own > last ? own : last;
+    }
     return asked < last ? asked : last;
 }
 
@@ -419,17 +342,20 @@ static status begin_frame(view_picture *p) {
         make_coarse(p, &scene, &camera);
     p->next_s = 0.1;
     const uint64_t png = picture_png_bytes(pool_threads(p->tools.threads), camera.width);
-    status st = (status)leafcast_check_room(p->wish.volume, &scene, &camera, &wanted,
-                                            p->beside + planes_bytes(&p->base) + png);
+    const uint64_t beside = p->beside + view_planes_bytes(&p->base) + png;
+    status st = p->cast
+                    ? view_cast_room(p->cast, p->wish.scene, &scene, &camera, &wanted, beside)
+                    : (status)leafcast_check_room(p->wish.volume, &scene, &camera, &wanted, beside);
     if (st == ST_OK)
-        st = planes_make(p->tools.m, &wanted, camera.width, camera.height, &p->now);
+        st = view_planes_make(p->tools.m, &wanted, camera.width, camera.height, &p->now);
     if (st == ST_OK && p->base.image.r)
-        planes_enlarge(&p->base, &p->now);
+        view_planes_enlarge(&p->base, &p->now);
     else if (st == ST_OK && p->phase == PREVIEW)
-        planes_blank(&p->now);
-    planes_release(p->tools.m, &p->base);
+        view_planes_blank(&p->now);
+    view_planes_release(p->tools.m, &p->base);
     if (st == ST_OK)
-        st = (status)leafcast_frame_begin(p->wish.volume, &scene, &camera, &p->now.image, &frame);
+        st = (status)leafcast_frame_begin(p->objects[0].volume, &scene, &camera, &p->now.image,
+                                          &frame);
     if (st == ST_OK)
         set_frame(p, frame);
     return st;
@@ -437,19 +363,11 @@ static status begin_frame(view_picture *p) {
 
 /* ---- Parts ---- */
 
-static uint64_t count_provisional(const planes *of) {
-    const size_t count = (size_t)of->width * of->height;
-    uint64_t n = 0;
-    for (size_t i = 0; i < count; i++)
-        n += of->image.provisional[i] != 0;
-    return n;
-}
-
 /* Returns the largest error bound of a pixel. With several rays per pixel there is no plane: each
  * ray is as exact as asked for, and so is their mean.
  */
 static double largest_error(const view_picture *p) {
-    const planes *const of = &p->now;
+    const view_planes *const of = &p->now;
     const size_t count = of->image.error ? (size_t)of->width * of->height : 0;
     double most = 0.0;
     if (count == 0 && view_options_any_medium(&p->wish.view))
@@ -479,7 +397,7 @@ static json_t *describe_stats(const leafcast_stats *s) {
 static json_t *describe_part(const view_picture *p, bool png, bool final) {
     const bool coarse = p->grade.level > asked_level(p); /* all of it is coarser than asked for */
     const uint64_t pixels = (uint64_t)p->now.width * p->now.height;
-    const uint64_t provisional = coarse ? pixels : count_provisional(&p->now);
+    const uint64_t provisional = coarse ? pixels : view_planes_provisional(&p->now);
     const bool certified = p->wish.view.experiments.summing == LEAFCAST_CERTIFIED && !coarse;
     const bool exact = final && provisional == 0 && p->scene.lod == LEAFCAST_LOD_EXACT;
     json_t *out =
@@ -508,10 +426,12 @@ static json_t *describe_part(const view_picture *p, bool png, bool final) {
 static status mark(const view_picture *p) {
     text_face *face = NULL;
     status st = ST_OK;
-    if (annotate_wanted(&p->wish.view.annotation))
+    const view_options *v = &p->wish.view;
+    const bool named = p->cast && v->legend && (v->colour_by[0] || v->others_coloured);
+    if (named || annotate_wanted(&v->annotation))
         st = text_face_open(p->tools.m, NULL, &face);
     if (st == ST_OK)
-        picture_scene_mark(&p->parts, &p->volume, &p->scene, &p->camera, &p->now.image, face);
+        picture_scene_mark(&p->parts, p->objects, &p->scene, &p->camera, &p->now.image, face);
     text_face_close(face);
     return st;
 }
@@ -550,9 +470,9 @@ static status begin_file(view_picture *p) {
     status st = mark(p);
     p->phase = WRITING;
     if (st == ST_OK) {
-        p->writing_bytes = planes_bytes(&p->now);
+        p->writing_bytes = view_planes_bytes(&p->now);
         st = view_file_begin(t->m, p->wish.kind, &shown, t->wake, t->wake_ctx, &p->writing);
-        p->now = (planes){0};
+        p->now = (view_planes){0};
     }
     if (st != ST_OK)
         view_picture_stop(p);
@@ -583,11 +503,11 @@ static status end_preview(view_picture *p, bool may_send, view_message **out) {
         view_pace_learn(p->pace, &p->task, p->grade, p->drawn_s + clock_seconds() - begun, 1.0);
     set_frame(p, NULL);
     if (p->wish.moving) {
-        planes_release(p->tools.m, &p->now);
+        view_planes_release(p->tools.m, &p->now);
         p->phase = IDLE;
     } else {
         p->base = p->now;
-        p->now = (planes){0};
+        p->now = (view_planes){0};
         p->phase = p->phase == PREVIEW ? after_preview(p) : EXACT;
     }
     return st;
@@ -595,13 +515,13 @@ static status end_preview(view_picture *p, bool may_send, view_message **out) {
 
 /* Give up a late preview, unless enough of it is drawn. The next one is coarser. */
 static void give_up_if_slow(view_picture *p) {
-    const double share = p->drawn_s >= OVERDUE_S ? planes_share(&p->now) : 1.0;
+    const double share = p->drawn_s >= OVERDUE_S ? view_planes_share(&p->now) : 1.0;
     if (share >= ENOUGH)
         return;
     view_pace_learn(p->pace, &p->task, p->grade, p->drawn_s, share);
     p->overdue = true;
     set_frame(p, NULL);
-    planes_release(p->tools.m, &p->now);
+    view_planes_release(p->tools.m, &p->now);
 }
 
 /* Returns whether parts may be shown. With several samples per pixel they may not: a pixel is too
@@ -683,7 +603,8 @@ bool view_picture_may_change(const view_picture *p) {
 }
 
 uint64_t view_picture_bytes(const view_picture *p) {
-    return planes_bytes(&p->now) + planes_bytes(&p->base) + (p->writing ? p->writing_bytes : 0);
+    return view_planes_bytes(&p->now) + view_planes_bytes(&p->base) +
+           (p->writing ? p->writing_bytes : 0);
 }
 
 const view_wish *view_picture_wish(const view_picture *p) {

@@ -13,6 +13,7 @@
 
 #include "formats/base/pool.h"
 #include "render/app/picture_scene.h"
+#include "render/view/view_changes.h"
 #include "render/view/view_file.h"
 #include "render/view/view_jpeg.h"
 #include "render/view/view_life.h"
@@ -25,15 +26,24 @@ enum { VIEW_SIDE_MAX = 16384, VIEW_PIXELS_MAX = 1 << 27 };
 /* What a page wants to see. */
 typedef struct view_wish {
     uint64_t number;
-    leafcast *volume;
-    view_options view; /* its size is that of the canvas */
-    bool moving;       /* a quick picture counts more than a complete one */
-    bool where;        /* also tell where it is provisional (view_where.h) */
-    bool file;         /* only the last part, as a file without JSON before it, of this kind: */
+    leafcast *volume;  /* the one that the page's controls are about */
+    view_options view; /* of the picture, and of that volume; its size is that of the canvas */
+    const view_scene *scene; /* NULL: one volume; else `view` is of the picture alone, and */
+    view_changes *changes;   /* these are its objects', held; or NULL */
+    int chosen;              /* the object of `volume` */
+    bool moving;             /* a quick picture counts more than a complete one */
+    bool where;              /* also tell where it is provisional (view_where.h) */
+    bool file; /* only the last part, as a file without JSON before it, of this kind: */
     view_file_kind kind;
     double asked; /* when it was asked for, by clock_seconds() */
     view_told told;
 } view_wish;
+
+/* view_wish_copy() - copy a wish over another one, or over zeros. view_wish_release() - let go of
+ * what it holds. view_wish_of_one() - returns the flags of its volume. */
+void view_wish_copy(view_wish *to, const view_wish *from);
+void view_wish_release(view_wish *w);
+const view_options *view_wish_of_one(const view_wish *w);
 
 /* What the views of all clients share. */
 typedef struct view_tools {

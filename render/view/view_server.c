@@ -16,6 +16,7 @@
 #include "render/view/view_draw.h"
 #include "render/view/view_listen.h"
 #include "render/view/view_page.h"
+#include "render/view/view_saved.h"
 #include "render/view/view_talk.h"
 
 enum {
@@ -258,7 +259,8 @@ static status describe_picture(struct lws *wsi, view_wish *wish) {
         return status_describe(ST_UNSUPPORTED, "pictures are sent as png or exr\n");
     wish->kind = strcmp(type, "exr") == 0 ? VIEW_FILE_EXR : VIEW_FILE_PNG;
     const char *state = argument(wsi, "state=");
-    return view_talk_file(s->m, s->options.files, s->options.file_count, state, size, file, wish);
+    return view_talk_file(s->m, s->options.files, s->options.file_count, s->options.scene, state,
+                          size, file, wish);
 }
 
 static int answer_picture(struct lws *wsi, session *now) {
@@ -266,17 +268,34 @@ static int answer_picture(struct lws *wsi, session *now) {
     view_server *s = server_of(wsi);
     if (!has_token(wsi))
         return answer_status(wsi, HTTP_STATUS_FORBIDDEN, "a token is needed\n");
-    if (describe_picture(wsi, &wish) != ST_OK)
+    const status st = describe_picture(wsi, &wish);
+    now->seat = st == ST_OK ? view_draw_sit(s->draw) : NULL;
+    if (!now->seat)
+        view_wish_release(&wish);
+    if (st != ST_OK)
         return answer_status(wsi, HTTP_STATUS_BAD_REQUEST, view_message_why());
-    now->seat = view_draw_sit(s->draw);
     if (!now->seat)
         return answer_status(wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, "too many clients\n");
     now->exr = wish.kind == VIEW_FILE_EXR;
     enlist(s, now, wsi);
     lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);
     view_seat_want(now->seat, &wish);
+    view_wish_release(&wish);
     lws_sul_schedule(s->context, 0, &s->tick, tick, GONE_US);
     return 0;
+}
+
+/* Answer with the scene as a page shows it, as a scene file. */
+static int answer_scene(struct lws *wsi, session *now) {
+    view_server *s = server_of(wsi);
+    if (!has_token(wsi))
+        return answer_status(wsi, HTTP_STATUS_FORBIDDEN, "a token is needed\n");
+    if (!s->options.scene)
+        return answer_status(wsi, HTTP_STATUS_NOT_FOUND, "there is no scene\n");
+    if (view_saved_scene(s->m, s->options.scene, argument(wsi, "state="), &now->drawn) != ST_OK)
+        return answer_status(wsi, HTTP_STATUS_BAD_REQUEST, view_message_why());
+    enlist(s, now, wsi);
+    return answer_body(wsi, now, "application/json", now->drawn->bytes, now->drawn->size);
 }
 
 /* Answer with the reason that the drawing thread gives. */
@@ -312,6 +331,8 @@ static int answer_request(struct lws *wsi, session *now, const char *path) {
         return answer_status(wsi, HTTP_STATUS_METHOD_NOT_ALLOWED, "only GET\n");
     if (strcmp(path, "/picture") == 0)
         return answer_picture(wsi, now);
+    if (strcmp(path, "/scene") == 0)
+        return answer_scene(wsi, now);
     if (!view_page_find(path, &page))
         return answer_status(wsi, HTTP_STATUS_NOT_FOUND, "there is nothing\n");
     return answer_body(wsi, now, page.type, page.bytes, page.size);
@@ -341,7 +362,7 @@ static int open_socket(struct lws *wsi, session *now) {
     view_server *s = server_of(wsi);
     *now = (session){0};
     now->talk = view_talk_open(s->m, s->draw, s->options.files, s->options.file_count,
-                               &s->options.machine, s->options.life);
+                               s->options.scene, &s->options.machine, s->options.life);
     if (!now->talk)
         return -1;
     enlist(s, now, wsi);

@@ -23,6 +23,7 @@ typedef struct view_server view_server;
 typedef struct view_server_options {
     const view_file *files;
     int file_count;
+    const view_scene *scene; /* whose objects they are; or NULL */
     view_machine machine;
     const char *address; /* the address that it listens at */
     int listener;        /* the socket that it listens with; the server owns it */

@@ -17,9 +17,10 @@ struct view_talk {
     mem *m;
     view_seat *seat;
     const view_file *files;
-    int file_count, file; /* file_count files; `file` is shown */
-    uint32_t steps;       /* that the page was told of; */
-    uint32_t stuck;       /* and why there are no further ones (view_stuck) */
+    int file_count, file;    /* file_count files; `file` is shown */
+    uint32_t steps;          /* that the page was told of; */
+    uint32_t stuck;          /* and why there are no further ones (view_stuck) */
+    const view_scene *scene; /* whose objects the files are; or NULL */
     const view_machine *machine;
     const view_life *life;
     uint64_t client;
@@ -59,7 +60,9 @@ static bool same_marks(const view_marks *a, const view_marks *b) {
 
 /* Tell a page that marks steps where the newest view's isovalues are, unless it was told. */
 static void tell_marks(view_talk *t) {
-    const view_options *view = &t->wish.view;
+    if (!t->wish.volume)
+        return;
+    const view_options *view = view_wish_of_one(&t->wish);
     view_marks now = {.volume = t->wish.volume, .steps = t->steps, .count = view->isos};
     if (!t->marks_steps || now.volume != t->files[t->file].volume || now.steps < 2 ||
         !has_room(t) || view_options_field(view, now.volume, &now.field) != ST_OK)
@@ -76,7 +79,7 @@ static void tell_marks(view_talk *t) {
 
 /* type: "volume", or "grown": of the one that is shown, which has further steps. */
 static void tell_volume(view_talk *t, const char *type) {
-    json_t *said = view_volume_json(t->files, t->file_count, t->file, t->machine);
+    json_t *said = view_volume_json(t->files, t->file_count, t->file, t->scene, t->machine);
     json_t *before = view_life_json(t->life);
     if (said) {
         json_object_set_new(said, "type", json_string(type));
@@ -90,13 +93,14 @@ static void tell_volume(view_talk *t, const char *type) {
 }
 
 view_talk *view_talk_open(mem *m, view_draw *draw, const view_file *files, int count,
-                          const view_machine *machine, view_life *life) {
+                          const view_scene *scene, const view_machine *machine, view_life *life) {
     view_talk *t = mem_zalloc(m, sizeof *t);
     if (!t)
         return NULL;
     t->m = m;
     t->files = files;
     t->file_count = count;
+    t->scene = scene;
     t->machine = machine;
     t->life = life;
     t->client = view_life_client(life);
@@ -116,6 +120,7 @@ void view_talk_close(view_talk *t) {
         return;
     view_draw_leave(t->seat);
     view_queue_clear(&t->queue);
+    view_wish_release(&t->wish);
     mem_free(t->m, t);
 }
 
@@ -137,6 +142,19 @@ static status take_whole(const json_t *object, const char *key, double lo, doubl
     return st == ST_OK && *out != floor(*out) ? wrong(key) : st;
 }
 
+/* Set what is to be shown from a state. */
+static status take_state(mem *m, json_t *state, const view_scene *scene, view_wish *w) {
+    view_changes *changes = NULL;
+    const status st = scene ? view_changes_apply(m, state, scene, &w->view, &changes)
+                            : view_state_apply(m, state, &w->view);
+    if (st != ST_OK)
+        return st;
+    view_wish_release(w);
+    w->scene = scene;
+    w->changes = changes;
+    return ST_OK;
+}
+
 /* Take a wish for a view. *number: 0 if the message has none. */
 static status receive_view(view_talk *t, const json_t *message, double *number) {
     double width, height;
@@ -150,7 +168,7 @@ static status receive_view(view_talk *t, const json_t *message, double *number) 
     if (st == ST_OK && !json_is_object(state))
         st = wrong("state");
     if (st == ST_OK)
-        st = view_state_apply(t->m, state, &w->view);
+        st = take_state(t->m, state, t->scene, w);
     if (st != ST_OK)
         return st;
     view_told_keep(&w->told, t->client, t->text, t->told);
@@ -158,6 +176,7 @@ static status receive_view(view_talk *t, const json_t *message, double *number) 
     w->view.camera.height = (uint32_t)height;
     w->number = (uint64_t)*number;
     w->volume = t->files[t->file].volume;
+    w->chosen = t->file;
     w->moving = json_is_true(json_object_get(message, "moving"));
     w->where = json_is_true(json_object_get(message, "where"));
     w->asked = clock_seconds();
@@ -350,14 +369,14 @@ bool view_talk_any(view_talk *t) {
 
 /* ---- Pictures as files ---- */
 
-status view_talk_file(mem *m, const view_file *files, int count, const char *state,
-                      const char *size, const char *file, view_wish *wish) {
+status view_talk_file(mem *m, const view_file *files, int count, const view_scene *scene,
+                      const char *state, const char *size, const char *file, view_wish *wish) {
     double sides[2] = {0.0, 0.0};
     int64_t which = 0;
     json_t *object = NULL;
     status st = view_state_parse(state, strlen(state), &object);
     if (st == ST_OK)
-        st = view_state_apply(m, object, &wish->view);
+        st = take_state(m, object, scene, wish);
     json_decref(object);
     if (st == ST_OK)
         st = num_doubles(size, "size", "x", 2, sides);
@@ -373,6 +392,7 @@ status view_talk_file(mem *m, const view_file *files, int count, const char *sta
     wish->view.camera.height = (uint32_t)sides[1];
     wish->number = 0;
     wish->volume = files[which].volume;
+    wish->chosen = (int)which;
     wish->moving = false;
     wish->file = true;
     wish->asked = clock_seconds();

@@ -13,10 +13,11 @@ enum { VIEW_HEARD_MAX = 64 << 10 }; /* bytes of a message from a page */
 typedef struct view_talk view_talk;
 
 /* view_talk_open() - begin for a new page; the first message that waits describes the first volume.
- * NULL: no seat, or no memory. files, machine and life must live as long as the talk.
+ * NULL: no seat, or no memory. files, scene (NULL: none), machine and life must live as long as the
+ * talk.
  * view_talk_close() - NULL is allowed. */
 view_talk *view_talk_open(mem *m, view_draw *draw, const view_file *files, int count,
-                          const view_machine *machine, view_life *life);
+                          const view_scene *scene, const view_machine *machine, view_life *life);
 void view_talk_close(view_talk *t);
 
 typedef enum view_talk_result {
@@ -39,8 +40,9 @@ view_message *view_talk_next(view_talk *t);
 bool view_talk_any(view_talk *t);
 
 /* view_talk_file() - make the wish for a picture as a file, from a state's text, a size "WxH" and
- * the number of the file ("": 0). ST_USAGE. */
-CHECKED status view_talk_file(mem *m, const view_file *files, int count, const char *state,
-                              const char *size, const char *file, view_wish *wish);
+ * the number of the file ("": 0). The wish is to be released (view_wish_release()). ST_USAGE. */
+CHECKED status view_talk_file(mem *m, const view_file *files, int count, const view_scene *scene,
+                              const char *state, const char *size, const char *file,
+                              view_wish *wish);
 
 #endif

@@ -260,7 +260,17 @@ static json_t *describe(const view_file *files, int count, int which, const view
     return out;
 }
 
-json_t *view_volume_json(const view_file *files, int count, int which,
+/* Objects of a scene have names of their own, and what the scene says. */
+static void describe_scene(json_t *out, const view_scene *scene) {
+    json_t *names = json_array();
+    for (int i = 0; i < scene->count; i++)
+        json_array_append_new(names, text_json(scene->names[i]));
+    json_object_set_new(out, "files", names);
+    json_object_set_new(out, "scene", view_scene_json(scene));
+    json_object_set_new(out, "state", view_scene_state(scene));
+}
+
+json_t *view_volume_json(const view_file *files, int count, int which, const view_scene *scene,
                          const view_machine *machine) {
     mem m;
     mem_init(&m, 0);
@@ -269,6 +279,8 @@ json_t *view_volume_json(const view_file *files, int count, int which,
     if (table) {
         picture_bytes_init(table);
         out = describe(files, count, which, machine, table);
+        if (out && scene)
+            describe_scene(out, scene);
     }
     mem_free(&m, table);
     return out;

@@ -4,7 +4,7 @@
 
 #include <jansson.h>
 
-#include "render/leafcast.h"
+#include "render/view/view_scene.h"
 
 /* A treelet file that is shown. */
 typedef struct view_file {
@@ -19,8 +19,9 @@ typedef struct view_machine {
     const char *isa;
 } view_machine;
 
-/* view_volume_json() - returns the message "volume" about files[which], one of `count` files. NULL:
- * no memory. */
-json_t *view_volume_json(const view_file *files, int count, int which, const view_machine *machine);
+/* view_volume_json() - returns the message "volume" about files[which], one of `count` files.
+ * scene: NULL, or the scene whose objects' files these are. NULL: no memory. */
+json_t *view_volume_json(const view_file *files, int count, int which, const view_scene *scene,
+                         const view_machine *machine);
 
 #endif

@@ -47,7 +47,8 @@ export class Annotate {
   // The server draws the box when the hand rests; until then its edges are drawn here.
   outline(moving) {
     const {app} = this, {clientWidth: w, clientHeight: h} = byId("stage"), lines = [];
-    const corner = i => project(app.model.camera, [0, 1, 2].map(a => app.volume.bounds[i >> a & 1][a]), w / h);
+    const bounds = app.scene.told ? app.scene.firstShown.box : app.volume.bounds;
+    const corner = i => project(app.model.camera, [0, 1, 2].map(a => bounds[i >> a & 1][a]), w / h);
     for (let i = 0; i < 8 && moving && app.model.annotation.box; i++)
       for (const j of [i | 1, i | 2, i | 4].filter(k => k !== i)) {
         const [from, to] = [corner(i), corner(j)];

@@ -8,7 +8,7 @@ export class Clip {
   constructor(app) { this.app = app; }
 
   build() {
-    const {app} = this, {clip} = app.model, [low, high] = app.volume.bounds;
+    const {app} = this, {clip} = app.model, [low, high] = app.world.bounds;
     const axes = ["X", "Y", "Z"].map((name, a) => {
       const box = () => clip.box ?? [...low, ...high];
       return span(name, {min: low[a], max: high[a], value: [box()[a], box()[a + 3]], change: (v, resting) => {
@@ -42,7 +42,7 @@ export class Clip {
 
   plane(p, i) {
     const {app} = this, normal = p.plane.slice(0, 3), name = `Plane ${i + 1}`;
-    const at = dot(normal, centre(app.volume)), size = Math.hypot(...normal) * diagonal(app.volume) / 2;
+    const at = dot(normal, centre(app.world)), size = Math.hypot(...normal) * diagonal(app.world) / 2;
     const set = d => { p.plane = [...p.plane.slice(0, 3), d]; };
     return element("div", {role: "group", "aria-label": name},
       slider(name, {min: -at - size, max: -at + size, value: p.plane[3],

@@ -16,7 +16,7 @@ export class Data {
   build() {
     const {app} = this, v = app.volume, d = app.model.data, parts = [];
     this.stop();
-    if (v.files?.length > 1)
+    if (v.files?.length > 1 && !v.scene)
       parts.push(choice("File", {options: v.files.map((f, i) => [i, f]), value: v.which,
         change: i => app.open(+i)}));
     if (v.fields.length > 1)

@@ -11,6 +11,7 @@ import {Link} from "./link.js";
 import {Movie} from "./movie.js";
 import {Pick} from "./pick.js";
 import {Save} from "./save.js";
+import {Scene, placed} from "./scene.js";
 import {Screen} from "./screen.js";
 import {fromFlags, fromFragment, stepOf, toFlags, toFragment} from "./state.js";
 import {Slices} from "./slice.js";
@@ -28,6 +29,7 @@ class App {
     this.models = new Map(); // of the files that were shown before, by their number
     this.link = new Link(new URLSearchParams(location.search).get("token") ?? "");
     this.screen = new Screen(byId("picture"), () => this.changed(false));
+    this.scene = new Scene(this);
     this.surfaces = new Surfaces(this);
     this.media = new Volume(this);
     this.slices = new Slices(this);
@@ -78,6 +80,7 @@ class App {
       if (!flags) return;
       clearTimeout(this.writing);
       const other = this.numberOf(flags.file);
+      if (this.scene.told && other !== this.volume.which) this.scene.last = flags;
       if (other === this.volume.which) return this.adopt(flags);
       this.open(other);
       this.models.delete(other);
@@ -90,17 +93,27 @@ class App {
     if (this.model && !again) return void this.link.open(this.volume.which);
     this.volume = volume;
     document.body.classList.toggle("surface-itself", volume.surface);
+    document.body.classList.toggle("of-scene", Boolean(volume.scene));
     byId("slices-toggle").disabled = volume.surface;
     for (const [k, name] of sides(volume).entries()) byId("axis").options[k + 1].textContent = name;
     const saved = fromFragment(location.hash), first = !this.opened;
     this.opened = true;
     if (first && saved && this.numberOf(saved.file) !== volume.which) return void this.link.open(this.numberOf(saved.file));
     this.entitle();
+    if (volume.scene) return this.showObject(saved, first, again);
     if (again) return void (this.crash.after ? this.crash.goOn() : this.changed(false));
     const before = this.models.get(volume.which);
     if (before) return this.take(before);
     const mine = saved && [undefined, volume.file, volume.which].includes(saved.file) ? saved : null;
     this.adopt(mine ?? volume.state, !mine);
+  }
+
+  // What the page shows of a scene stays, whichever of its objects the controls are about.
+  showObject(saved, first, again) {
+    const {last} = this.scene, {state} = this.volume;
+    this.scene.last = null;
+    if (again && !last) return void (this.crash.after ? this.crash.goOn() : this.changed(false));
+    this.adopt(last ?? (first && saved ? saved : state), first && !saved);
   }
 
   // The file that is shown has further steps, whose values may reach further.
@@ -113,6 +126,11 @@ class App {
 
   entitle() {
     const v = this.volume, file = v.file.replace(/\.leaf$/, "");
+    if (v.scene) {
+      byId("name").replaceChildren(v.scene.file, element("small", {}, `${v.files.length} objects`));
+      document.title = `${v.scene.file} – leafcast`;
+      return;
+    }
     const size = v.dims[0] ? v.dims.join("×") : `${v.cells.toLocaleString("en")} ${v.cell}s`;
     byId("name").replaceChildren(file, element("small", {}, v.name && v.name !== file ? `${v.name}, ${size}` : size));
     document.title = `${file} – leafcast`;
@@ -120,7 +138,7 @@ class App {
 
   // In the address a file has its name, or its number where several have that name.
   get fileKey() {
-    const {files, file, which} = this.volume;
+    const {files, which} = this.volume, file = files[which];
     return files.length < 2 ? null : files.indexOf(file) === files.lastIndexOf(file) ? file : which;
   }
 
@@ -134,15 +152,26 @@ class App {
   adopt(flags, first = false) {
     try {
       const {file, ...state} = flags;
-      this.model = fromFlags(state, this.volume);
+      this.model = this.modelOf(state);
     } catch {
       this.say("This is no state of a picture.");
-      this.model = fromFlags(this.volume.state, this.volume);
+      this.model = this.modelOf(this.volume.state);
     }
-    if (first) this.widen();
-    this.home = first ? this.placed : null;
+    if (first && this.volume.scene?.fitted !== false) this.widen();
+    this.home = first ? this.stands : null;
     this.take(this.model);
   }
+
+  modelOf(state) { return this.scene.told ? this.scene.adopt(state) : fromFlags(state, this.volume); }
+
+  // What is drawn: the state.
+  get flags() { return this.scene.told ? this.scene.state() : toFlags(this.model, this.volume); }
+
+  // What cameras and clips are about.
+  get world() { return this.scene.world; }
+
+  // A point of the volume's own world, where it is seen.
+  placed(point) { return placed(this.scene.object?.place, point); }
 
   take(model) {
     this.model = model;
@@ -153,7 +182,7 @@ class App {
   }
 
   build() {
-    for (const part of [this.surfaces, this.media, this.slices, this.clip, this.light, this.annotate, this.data, this.movie]) part.build();
+    for (const part of [this.scene, this.surfaces, this.media, this.slices, this.clip, this.light, this.annotate, this.data, this.movie]) part.build();
     this.cameraPanel();
   }
 
@@ -196,7 +225,7 @@ class App {
   changed(moving, keep = false) {
     clearTimeout(this.rest);
     if (!this.model) return 0;
-    const flags = toFlags(this.model, this.volume);
+    const {flags} = this;
     if (moving && !keep) this.rest = setTimeout(() => this.changed(false), REST_MS);
     if (!moving) this.remember(flags);
     this.pick.mark();
@@ -215,7 +244,7 @@ class App {
   sliced(moving) {
     clearTimeout(this.sliceRest);
     if (moving) this.sliceRest = setTimeout(() => this.sliced(false), REST_MS);
-    else this.remember(toFlags(this.model, this.volume));
+    else this.remember(this.flags);
     this.slices.update(moving);
   }
 
@@ -235,7 +264,7 @@ class App {
     const canvas = byId("picture");
     drive(canvas, {
       camera: () => this.model?.camera,
-      volume: () => this.volume,
+      volume: () => this.world,
       changed: moving => this.changed(moving),
       flying: () => this.flying,
       clicked: event => this.pick.at(this.pixel(event)),
@@ -287,7 +316,7 @@ class App {
   }
 
   fit() {
-    const {box} = this.model.clip, bounds = box ? [box.slice(0, 3), box.slice(3)] : this.volume.bounds;
+    const {box} = this.model.clip, bounds = box ? [box.slice(0, 3), box.slice(3)] : this.world.bounds;
     fit(this.model.camera, bounds, this.screen.width / this.screen.height);
     this.changed(false);
   }
@@ -295,15 +324,15 @@ class App {
   reset() {
     this.model.camera = fromFlags(this.volume.state, this.volume).camera;
     this.up = upward(this.model.camera);
-    this.widen();
-    this.home = this.placed;
+    if (this.volume.scene?.fitted !== false) this.widen();
+    this.home = this.stands;
     this.changed(false);
   }
 
-  get placed() { return JSON.stringify(this.model.camera); }
+  get stands() { return JSON.stringify(this.model.camera); }
 
   // The first camera is for a surface: who has not moved it yet wants to see all of the volume.
-  seeVolume() { if (this.placed === this.home) this.fit(); }
+  seeVolume() { if (this.stands === this.home && !this.scene.told) this.fit(); }
 
   // What points up in the picture, and stays so in views along axes.
   raise(up) {
@@ -322,7 +351,7 @@ class App {
   // The server's cameras are made for a wide picture.
   widen() {
     const aspect = this.screen.width / this.screen.height;
-    if (aspect < PROPORTION) widen(this.model.camera, this.volume.bounds, aspect, PROPORTION / aspect);
+    if (aspect < PROPORTION) widen(this.model.camera, this.world.bounds, aspect, PROPORTION / aspect);
   }
 
   axis(k) {

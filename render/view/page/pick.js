@@ -23,8 +23,13 @@ export class Pick {
     if (!answer || turn !== this.turn) return;
     if (!answer.hit) return this.app.say(answer.why ?? (place.point ? "This is outside."
       : `There is no surface here.${this.app.volume.surface ? "" : " Slices tell values anywhere."}`), true);
-    this.points = [...this.points.slice(-1), {...answer, place}];
+    this.points = [...this.points.slice(-1), this.pointOf(answer, place)];
     this.show();
+  }
+
+  // Slices are in their object's own world.
+  pointOf(answer, place) {
+    return {...answer, place, ...answer.point && {point: place.point ? this.app.placed(answer.point) : answer.point}};
   }
 
   // The data are another step's: values at points are asked for again, surfaces are elsewhere.
@@ -34,7 +39,7 @@ export class Pick {
     if (!points.every(p => p.place.point)) return this.clear();
     const turn = ++this.turn, answers = await Promise.all(points.map(p => this.app.link.pick(p.place)));
     if (turn !== this.turn || !answers.every(a => a)) return;
-    this.points = answers.map((a, i) => ({...a, place: points[i].place})).filter(a => a.hit);
+    this.points = answers.map((a, i) => this.pointOf(a, points[i].place)).filter(a => a.hit);
     this.show();
   }
 
@@ -52,8 +57,9 @@ export class Pick {
   }
 
   lines(p) {
-    const vector = v => v.map(x => short(x, 6)).join(", "), {cell} = this.app.volume;
-    return [["position", vector(p.point)], p.value === undefined ? null : ["value", p.value == null ? "no data" : short(p.value, 8)],
+    const vector = v => v.map(x => short(x, 6)).join(", "), {volume} = this.app;
+    const {cell} = volume.scene?.objects[p.object] ?? volume;
+    return [volume.scene ? ["object", volume.files[p.object]] : null, ["position", vector(p.point)], p.value === undefined ? null : ["value", p.value == null ? "no data" : short(p.value, 8)],
       ["gradient", `${vector(p.gradient)}  (${short(length(p.gradient), 4)})`],
       p.error_bound == null ? null : ["error bound", short(p.error_bound, 2)],
       [cell, [p[cell]].flat().join(", ")],

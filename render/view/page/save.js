@@ -15,16 +15,23 @@ export class Save {
   constructor(app) {
     this.app = app;
     const dialog = byId("save");
+    this.hint = byId("save-hint").textContent;
     byId("save-open").addEventListener("click", () => {
       if (!app.model) return;
       byId("save-width").value = app.screen.width;
       byId("save-height").value = app.screen.height;
+      const scene = Boolean(app.scene.told);
+      byId("save-scene").hidden = !scene;
+      byId("save-state").hidden = byId("load-row").hidden = scene;
+      byId("save-hint").textContent = scene ? `The address of this page holds the state, too. A saved scene goes beside ${app.scene.told.file}: `
+        + "its files are named as there." : this.hint;
       dialog.showModal();
     });
     dialog.addEventListener("close", () => {
       if (dialog.returnValue === "picture") this.picture(+byId("save-width").value,
         +byId("save-height").value, byId("save-format").value);
       if (dialog.returnValue === "state") this.state();
+      if (dialog.returnValue === "scene") this.scene();
       dialog.returnValue = "";
     });
     byId("save-cancel").addEventListener("click", () => this.drawing?.abort());
@@ -32,18 +39,42 @@ export class Save {
     byId("copy-command").addEventListener("click", () => this.command());
   }
 
-  get name() { return this.app.volume.file.replace(/\.leaf$/, "").replace(/[^\w.-]+/g, "_") || "leafcast"; }
+  get name() { return (this.app.scene.told ?? this.app.volume).file.replace(/\.(leaf|json)$/, "").replace(/[^\w.-]+/g, "_") || "leafcast"; }
 
   command() {
     const {app} = this;
     if (!app.model) return;
+    if (app.scene.told) return this.sceneCommand();
     const line = command(toFlags(app.model, app.volume), app.volume.file, app.screen.width, app.screen.height);
     app.copy(line, "The command is copied.");
   }
 
+  // Where the file does not say what is seen, it is saved first.
+  async sceneCommand() {
+    const {app} = this, {width, height} = app.screen, {told} = app.scene, flags = app.scene.commandFlags(app.flags);
+    const saved = flags ? null : await this.scene();
+    if (!flags && !saved) return;
+    const line = command(flags ?? (told.links ? {"follow-links": true} : {}), saved ?? told.file, width, height);
+    app.copy(line, saved ? `The command is copied. It draws ${saved}, which is saved: put it beside ${told.file}.` : "The command is copied.");
+  }
+
+  // The scene as it is seen. Returns the name of its file; null: it could not be saved.
+  async scene() {
+    const {app} = this, query = new URLSearchParams({token: app.link.token, state: JSON.stringify(app.flags)}), name = `${this.name}-view.json`;
+    try {
+      const answer = await fetch(`scene?${query}`);
+      if (!answer.ok) throw new Error((await answer.text()).slice(0, 300) || `error ${answer.status}`);
+      download(await answer.blob(), name);
+      return name;
+    } catch (error) {
+      app.say(`The scene cannot be saved: ${error.message}`);
+      return null;
+    }
+  }
+
   // One at a time; another tries anew.
   async picture(width, height, type) {
-    const {app} = this, state = JSON.stringify(toFlags(app.model, app.volume));
+    const {app} = this, state = JSON.stringify(app.flags);
     const query = new URLSearchParams({token: app.link.token, state, size: `${width}x${height}`, type});
     if (app.volume.files?.length > 1) query.set("file", app.volume.which);
     this.drawing?.abort();

@@ -334,7 +334,7 @@ export class Slices {
       if (!s.on[p.k]) continue;
       const n = p.k < 3 ? [0, 1, 2].map(a => a === p.k ? 1 : 0) : normal(s);
       const d = p.k < 3 ? s.at[p.k] : dot(n, centre(app.volume)) + s.offset;
-      const points = cut(app.volume.bounds, n, d).map(q => project(app.model.camera, q, w / h));
+      const points = cut(app.volume.bounds, n, d).map(q => project(app.model.camera, app.placed(q), w / h));
       if (points.length < 3 || points.some(q => !q)) continue;
       const shape = document.createElementNS(NS, "polygon");
       shape.setAttribute("points", points.map(q => `${(q[0] * w).toFixed(1)},${(q[1] * h).toFixed(1)}`).join(" "));

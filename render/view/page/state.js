@@ -56,7 +56,8 @@ function cameraOf(flags, volume) {
 function lightOf(l, point) {
   const colour = l.length >= 6 ? hex(l.slice(3, 6)) : "#ffffff";
   const u = unit(l.slice(0, 3));
-  return {point: point ? l.slice(0, 3) : null, colour, azimuth: Math.atan2(u[1], u[0]) * 180 / Math.PI,
+  // The last of four or seven numbers is how wide the light is, for soft shadows.
+  return {point: point ? l.slice(0, 3) : null, radius: l.length % 3 === 1 ? l.at(-1) : 0, colour, azimuth: Math.atan2(u[1], u[0]) * 180 / Math.PI,
     elevation: Math.asin(Math.max(-1, Math.min(1, u[2]))) * 180 / Math.PI,
     exact: point ? null : l.slice(0, 3)};
 }
@@ -81,7 +82,7 @@ export function fromFlags(given, volume) {
   const flags = {};
   for (const [key, value] of Object.entries(given)) flags[key.replaceAll("_", "-")] = value;
   Object.assign(flags, flags.camera ?? {});
-  const colours = list(flags.colour ?? flags.color), curve = [], opacities = [];
+  const colours = list(flags.colour ?? flags.color), curve = [], opacities = [], reflects = list(flags.reflect);
   for (const o of list(flags.opacity))
     if (String(o).includes(":")) for (const p of String(o).split(",")) curve.push(p.split(":").map(Number));
     else opacities.push(+o);
@@ -92,7 +93,8 @@ export function fromFlags(given, volume) {
   return {
     camera: cameraOf(flags, volume),
     surfaces: [...isos.filter(v => volume.surface || v !== nowhere(f)).map((iso, i) =>
-      ({iso, color: hexOf(colours[i] ?? COLOURS[i % COLOURS.length], "#ffffff"), opacity: opacities[i] ?? 1, on: true})),
+      ({iso, color: hexOf(colours[i] ?? COLOURS[i % COLOURS.length], "#ffffff"), opacity: opacities[i] ?? 1, on: true,
+        ...reflects[i] != null && {reflect: reflects[i]}})),
       ...volume.surface ? [] : unseenOf(flags.page)].slice(0, SURFACES_MAX),
     volume: volumeOf(flags, curve),
     clip: {box: flags["clip-box"] ? numbers(flags["clip-box"]) : null,
@@ -147,7 +149,8 @@ export function direction(light) {
 }
 
 function lightFlags(light, flags) {
-  const vector = l => [...direction(l), ...(l.colour === "#ffffff" ? [] : rgb(l.colour).map(linear))];
+  const radius = l => light.shadows && l.radius ? [l.radius] : [];
+  const vector = l => [...direction(l), ...(l.colour === "#ffffff" ? [] : rgb(l.colour).map(linear)), ...radius(l)];
   const far = light.lights.filter(l => !l.point).map(vector), near = light.lights.filter(l => l.point).map(vector);
   if (far.length) flags.light = far;
   if (near.length) flags["point-light"] = near;
@@ -195,7 +198,8 @@ function pageFlags(model, unseen) {
   return {page: {...slices && {slices}, ...surfaces.length && {surfaces}}};
 }
 
-export function toFlags(model, volume) {
+// The flags of one volume, and of projections.
+export function flagsOfOne(model, volume) {
   const flags = {}, field = volume.fields[model.data.field], on = model.surfaces.filter(s => s.on);
   const projected = DRAWN_BY_MAX.includes(model.volume.mode);
   if (volume.fields.length > 1 && model.data.field > 0) flags.field = String(model.data.field);
@@ -204,25 +208,35 @@ export function toFlags(model, volume) {
     if (!volume.surface) flags.iso = on.map(s => s.iso);
     flags.colour = on.map(s => s.color);
     if (on.some(s => s.opacity < 1)) flags.opacity = on.map(s => s.opacity);
+    if (on.some(s => s.reflect != null)) flags.reflect = on.map(s => String(s.reflect ?? 0));
   } else if (!projected && model.volume.mode === "off") flags.iso = [nowhere(field)];
   volumeFlags(model.volume, volume, field, flags);
+  return Object.assign(flags, pageFlags(model, model.surfaces.filter(s => projected || !s.on)));
+}
+
+// The flags of the picture. world: the volume, or what stands for all objects of a scene. caps, legend: there is what
+// they can be of.
+export function flagsOfPicture(model, world, caps, legend) {
+  const flags = {}, planes = model.clip.planes.filter(p => p.on).map(p => p.plane);
   if (model.clip.box) flags["clip-box"] = model.clip.box;
-  const planes = model.clip.planes.filter(p => p.on).map(p => p.plane);
   if (planes.length) flags["clip-plane"] = planes;
-  if (model.clip.caps !== "off" && !volume.surface && !projected && on.length && (planes.length || model.clip.box))
-    flags.caps = model.clip.caps || true;
-  Object.assign(flags, cameraFlags(model.camera, volume));
+  if (model.clip.caps !== "off" && caps && (planes.length || model.clip.box)) flags.caps = model.clip.caps || true;
+  Object.assign(flags, cameraFlags(model.camera, world));
   lightFlags(model.light, flags);
-  if (model.legend && model.volume.mode !== "off") flags.legend = true;
-  const unseen = model.surfaces.filter(s => projected || !s.on);
-  Object.assign(flags, annotationFlags(model.annotation), pageFlags(model, unseen));
-  return Object.assign(flags, model.more);
+  if (model.legend && legend) flags.legend = true;
+  return Object.assign(flags, annotationFlags(model.annotation), model.more);
+}
+
+export function toFlags(model, volume) {
+  const projected = DRAWN_BY_MAX.includes(model.volume.mode), caps = !volume.surface && !projected &&
+    model.surfaces.some(s => s.on);
+  return {...flagsOfOne(model, volume), ...flagsOfPicture(model, volume, caps, model.volume.mode !== "off")};
 }
 
 // ---- as a line for a shell ----
 
 const quoted = text => /^[\w.,:=#+\/-]+$/.test(text) && !text.startsWith("#") ? text : `'${text.replaceAll("'", "'\\''")}'`;
-const REPEATED = ["iso", "colour", "opacity", "light", "point-light", "clip-plane"];
+const REPEATED = ["iso", "colour", "opacity", "reflect", "light", "point-light", "clip-plane"];
 
 export function command(flags, file, width, height, verb = "render") {
   const words = ["leafcast", verb, quoted(file.startsWith("-") ? "./" + file : file)];

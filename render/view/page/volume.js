@@ -23,7 +23,7 @@ export class Volume {
     const change = moving => { this.refresh(); app.changed(moving); };
     const host = element("div", {class: "plot"});
     const projected = !["off", "media"].includes(v.mode), media = v.mode === "media";
-    const parts = [choice("Show", {options: MODES, value: v.mode, change: mode => this.mode(mode)})];
+    const parts = [choice("Show", {options: MODES.slice(0, app.scene.told ? 2 : MODES.length), value: v.mode, change: mode => this.mode(mode)})];
     this.points = [];
     this.plot = null;
     if (v.mode !== "off") parts.push(...this.look(media, projected, maps, host, change));

@@ -321,7 +321,8 @@ static void test_levels(void **state) {
     leafcast_close(tets);
 }
 
-/* What has no coarse grid has no levels; nor has a picture that is no preview. */
+/* What has no coarse grid has no levels, unless with others; nor has a picture that is no preview.
+ */
 static void test_no_levels(void **state) {
     const subject of = *(const subject *)*state;
     static all_planes p;
@@ -339,6 +340,11 @@ static void test_no_levels(void **state) {
                          LEAFCAST_USAGE);
         assert_non_null(strstr(leafcast_error_text(), "no coarse levels"));
         assert_int_equal(leafcast_describe(v).preview_levels, i ? 1 : of == THINNED ? 4 : 3);
+        const leafcast_shown two[2] = {{.volume = v}, {.volume = v}};
+        scene.volumes = two;
+        scene.volume_count = 2;
+        assert_int_equal(leafcast_trace(v, &scene, &view, &image, NULL, NULL, NULL),
+                         i ? LEAFCAST_OK : LEAFCAST_USAGE);
         leafcast_close(v);
     }
 }
