@@ -89,7 +89,8 @@ PARTS    := $(filter-out $(MAINS) $(NATIVE) $(IN_PLACE),$(SOURCES))
 VIEW_C   := render/view/view_main.c
 VIEW_PURE := render/view/view_state.c render/view/view_slice_state.c render/view/view_access.c \
              render/view/view_crowd.c render/view/view_pace.c render/view/view_stride.c \
-             render/view/view_where.c render/view/view_scene.c render/view/view_changes.c render/view/view_cast.c
+             render/view/view_where.c render/view/view_scene.c render/view/view_changes.c \
+             render/view/view_cast.c
 PAGE     := $(sort $(wildcard render/view/page/*))
 VIEW     := $B/app/libview.a
 INTERNAL := $B/app/libinternal.a

@@ -32,7 +32,7 @@ static void choose_world(leafcast_options *options, const leafcast *volume) {
 static status open_volume(const char *path, const leafcast_options *on, leafcast **volume) {
     char why[STATUS_TEXT_MAX];
     const status st = render_status(leafcast_open(path, on, volume));
-    if (st != ST_NOMEM)
+    if (st != ST_NOMEM || strstr(status_text(), path))
         return st;
     snprintf(why, sizeof why, "%s", status_text());
     return status_describe(st, "%s does not fit: %s", path, why);
