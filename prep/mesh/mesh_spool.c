@@ -210,9 +210,11 @@ static status fetch(mesh_spool *s, uint64_t count) {
 }
 
 static status load(mesh_spool *s, uint64_t count, bool held, state_io *io) {
-    assert(s->count == 0 && s->work && !mesh_spool_file(s));
+    assert(s->count == 0 && !mesh_spool_file(s));
     if (count == 0)
         return ST_OK;
+    if (!s->work) /* such a mesh has none of these */
+        return state_io_fault(io);
     status st = work_folder_file(s->work, s->which, true, &s->copy);
     if (st != ST_OK)
         return st;

@@ -93,7 +93,7 @@ static kept keep(const tet_generate_options *o, size_t limit) {
     uint64_t copies = copies_of(&o->shape);
     kept k = make_room(copies * d[0] * d[1] * d[2],
                        copies * 6 * (d[0] - 1) * (d[1] - 1) * (d[2] - 1), true);
-    const mesh_sink sink = {&k, keep_points, keep_values, keep_tets, NULL, NULL, false};
+    const mesh_sink sink = {&k, keep_points, keep_values, keep_tets, NULL, NULL, NULL, false};
     mem m;
     mem_init(&m, limit);
     status st = tet_generate(&m, o, &sink, NULL);
@@ -430,7 +430,7 @@ static status count_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
 }
 
 static status count(mem *m, const tet_generate_options *o, counted *c, const progress *p) {
-    const mesh_sink sink = {c, count_points, count_values, count_tets, NULL, NULL, false};
+    const mesh_sink sink = {c, count_points, count_values, count_tets, NULL, NULL, NULL, false};
     return tet_generate(m, o, &sink, p);
 }
 
@@ -534,7 +534,7 @@ static void check_file(const char *name, const kept *want) {
 
 static kept read_back(const char *name) {
     kept k = make_room(1 << 16, 1 << 18, false);
-    const mesh_sink sink = {&k, keep_points, keep_values, keep_tets, NULL, NULL, false};
+    const mesh_sink sink = {&k, keep_points, keep_values, keep_tets, NULL, NULL, NULL, false};
     mem m;
     mem_init(&m, 0);
     mesh_input *x;

@@ -176,7 +176,7 @@ static void test_share(void **state) {
     for (int known = 0; known < 2; known++) {
         mem m;
         mesh_report report;
-        const mesh_sink sink = {NULL, tell_points, tell_values, tell_tets, NULL, NULL, false};
+        const mesh_sink sink = {NULL, tell_points, tell_values, tell_tets, NULL, NULL, NULL, false};
         mem_init(&m, 0);
         tellings = 0;
         assert_int_equal(mesh_feed_begin(&feed, &m, "a", 1, &sink, &report), ST_OK);

@@ -327,7 +327,7 @@ static status no_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
 /* Within a limit, averages take several rounds over the cells, and are the same. */
 static void test_rounds(void **state) {
     (void)state;
-    const mesh_sink sink = {NULL, no_points, keep_values, no_tets, NULL, NULL, false};
+    const mesh_sink sink = {NULL, no_points, keep_values, no_tets, NULL, NULL, NULL, false};
     const mesh_hints hints = {.cells_to_points = true};
     const char *path = long_file();
     const mesh_copy *a = mesh_files_good(path, &hints);
