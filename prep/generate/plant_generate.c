@@ -343,7 +343,7 @@ static void grow_all(growing *g) {
 
 status plant_grow(mem *m, plant_shape shape, uint64_t seed, plant *out) {
     growing g = {.m = m, .shape = &shapes[shape], .state = seed, .of = out, .st = ST_OK};
-    *out = (plant){NULL};
+    *out = (plant){.vertices = NULL};
     grow_all(&g);
     if (g.st != ST_OK)
         plant_release(m, out);
@@ -354,7 +354,7 @@ void plant_release(mem *m, plant *p) {
     mem_free(m, p->triangles);
     mem_free(m, p->rgb);
     mem_free(m, p->vertices);
-    *p = (plant){NULL};
+    *p = (plant){.vertices = NULL};
 }
 
 /* ---- Writing ---- */

@@ -147,8 +147,8 @@ static void test_refused(void **state) {
         "{\"objects\": [{\"index\": 0, \"flags\": {\"iso\": 1, \"colour-by\": \"p.leaf:heat\"}}]}",
         "{\"objects\": [{\"index\": 1, \"flags\": {\"iso\": 1, \"colour-by\": \"0\"}}]}",
         "{\"objects\": [{\"index\": 1, \"flags\": {\"iso\": \"x\"}}]}",
-        "{\"objects\": [{\"index\": 0, \"hidden\": true}, {\"index\": 1, \"hidden\": true},"
-        " {\"index\": 2, \"hidden\": true}]}"};
+        ("{\"objects\": [{\"index\": 0, \"hidden\": true}, {\"index\": 1, \"hidden\": true},"
+         " {\"index\": 2, \"hidden\": true}]}")};
     const view_scene s = scene_of();
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         view_changes *c = NULL;
