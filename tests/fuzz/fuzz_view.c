@@ -80,7 +80,7 @@ static void look(view_options *v) {
     leafcast_scene scene;
     double suggested[LEAFCAST_SUGGESTIONS_MAX];
     int count;
-    const picture_volume shown = {volume, v, NULL};
+    const picture_volume shown = {volume, v, NULL, 0};
     v->camera.width = WIDTH;
     v->camera.height = HEIGHT;
     picture_scene_init(&parts, &budget);
