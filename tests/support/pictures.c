@@ -6,14 +6,15 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "formats/base/cpu.h"
 #include "tests/support/fixture.h"
 
 /* A picture and what it took. */
-void pictures_draw(leafcast *volume, const leafcast_scene *scene, const leafcast_camera *view,
-                   picture *p, leafcast_stats *stats) {
+static leafcast_status try_draw(leafcast *volume, const leafcast_scene *scene,
+                                const leafcast_camera *view, picture *p, leafcast_stats *stats) {
     memset(p, 0, sizeof *p);
     const leafcast_image image = {.size = sizeof image,
                                   .r = p->rgba[0],
@@ -24,10 +25,26 @@ void pictures_draw(leafcast *volume, const leafcast_scene *scene, const leafcast
                                   .normal = {p->normal[0], p->normal[1], p->normal[2]},
                                   .id = p->id,
                                   .provisional = p->provisional};
-    const leafcast_status st = leafcast_trace(volume, scene, view, &image, stats, NULL, NULL);
+    return leafcast_trace(volume, scene, view, &image, stats, NULL, NULL);
+}
+
+void pictures_draw(leafcast *volume, const leafcast_scene *scene, const leafcast_camera *view,
+                   picture *p, leafcast_stats *stats) {
+    const leafcast_status st = try_draw(volume, scene, view, p, stats);
     if (st != LEAFCAST_OK)
         print_message("# %s\n", leafcast_error_text());
     assert_int_equal(st, LEAFCAST_OK);
+}
+
+size_t pictures_least_memory(leafcast *volume, const leafcast_scene *scene,
+                             const leafcast_camera *view) {
+    static picture p;
+    unsigned long long enough = 0;
+    assert_int_equal(try_draw(volume, scene, view, &p, NULL), LEAFCAST_NOMEM);
+    const char *text = strstr(leafcast_error_text(), "picture: ");
+    assert_non_null(text);
+    assert_int_equal(sscanf(text, "picture: %llu bytes would do", &enough), 1);
+    return (size_t)enough;
 }
 
 void pictures_open_one(picture_volumes *v, const char *path, const char *isa, int threads) {

@@ -23,6 +23,11 @@ typedef struct picture {
 void pictures_draw(leafcast *volume, const leafcast_scene *scene, const leafcast_camera *view,
                    picture *p, leafcast_stats *stats);
 
+/* pictures_least_memory() - the least budget that this picture takes, of a volume whose budget is
+ * too small for it, as its refusal names it. */
+size_t pictures_least_memory(leafcast *volume, const leafcast_scene *scene,
+                             const leafcast_camera *view);
+
 /* pictures_same_pixel() - whether pixel i of both is the same to the bit: depth, colour, normal. */
 bool pictures_same_pixel(const picture *a, const picture *b, int i);
 
