@@ -157,12 +157,12 @@ enum {
     LEAFCAST_MEDIA_MAX = 16      /* those among them that are filled with a medium */
 };
 
-/* Many places, which pictures share: of each some 350 bytes, beside leafcast_options.memory.
+/* Many places, which pictures share: of each some 280 bytes, beside leafcast_options.memory.
  *
- * leafcast_make_places() - copy `count` places, 12 numbers each, as leafcast_shown.place; for
- * scenes of the volume's device. which: NULL, or for each place which one of the groups in its
- * group lies there, alone. leafcast_free_places() - NULL, too; not while a picture that shows them
- * is under way. */
+ * leafcast_make_places() - copy `count` places, 1 to 2^30 of 12 numbers each, as
+ * leafcast_shown.place; for scenes of the volume's device. which: NULL, or for each place which one
+ * of the groups in its group lies there, alone. leafcast_free_places() - NULL, too; not while a
+ * picture that shows them is under way. */
 typedef struct leafcast_places leafcast_places;
 LEAFCAST_API leafcast_status leafcast_make_places(const leafcast *volume, const double *places,
                                                   const uint16_t *which, uint32_t count,

@@ -33,7 +33,7 @@ struct leafcast_places {
     double (*box)[2][3];
     uint32_t *objects;
     uint32_t *starts; /* object_group */
-    object_tree tree;
+    box_tree tree;
     bool listed; /* scratch of scene_groups_check() */
 };
 
@@ -64,7 +64,7 @@ static bool is_possible(const extent *e) {
 }
 
 static void free_places(leafcast_places *p, mem *m) {
-    object_tree_release(&p->tree, m);
+    box_tree_release(&p->tree, m);
     mem_free(m, p->starts);
     mem_free(m, p->objects);
     mem_free(m, p->box);
@@ -126,7 +126,7 @@ leafcast_status leafcast_make_places(const leafcast *volume, const double *place
     if (st != ST_OK)
         return public_status(st);
     *out = NULL;
-    st = public_in_range(__func__, "count", count, 1, OBJECTS_MOST);
+    st = public_in_range(__func__, "count", count, 1, BOX_ENTRIES_MOST);
     if (st == ST_OK)
         st = check_places(places, count);
     if (st == ST_OK)
@@ -146,9 +146,9 @@ static bool is_raised(leafcast_places *p, const object_tree members[]) {
     bool same = p->tree.entries > 0;
     for (uint32_t k = 0; k < p->kinds; k++) {
         same = same && p->objects[k] == members[k].objects &&
-               memcmp(p->box[k], members[k].nodes->box, sizeof *p->box) == 0;
+               memcmp(p->box[k], members[k].of.box, sizeof *p->box) == 0;
         p->objects[k] = members[k].objects;
-        memcpy(p->box[k], members[k].nodes->box, sizeof *p->box);
+        memcpy(p->box[k], members[k].of.box, sizeof *p->box);
     }
     return same;
 }
@@ -170,18 +170,18 @@ static status raise_places(leafcast_places *p, const object_tree members[]) {
     if (is_raised(p, members))
         return ST_OK;
     mem_init(&outside, 0);
-    object_tree_release(&p->tree, &outside);
+    box_tree_release(&p->tree, &outside);
     double(*boxes)[2][3] = mem_array(&outside, p->count, sizeof *boxes);
     if (!boxes)
         return ST_NOMEM;
     for (uint32_t i = 0; i < p->count; i++)
         placement_box(&p->place[i], (const double(*)[3])p->box[p->which ? p->which[i] : 0],
                       boxes[i]);
-    status st = object_tree_make(&p->tree, &outside, (const double(*)[2][3])boxes, p->count);
+    status st = box_tree_make(&p->tree, &outside, (const double(*)[2][3])boxes, p->count);
     if (st == ST_OK && p->which)
         st = count_objects(p);
     if (st != ST_OK)
-        object_tree_release(&p->tree, &outside);
+        box_tree_release(&p->tree, &outside);
     mem_free(&outside, boxes);
     return st;
 }
@@ -382,7 +382,7 @@ static status make_tree(scene_groups *g, mem *m, const double (*boxes)[2][3], in
     for (int i = 0; i < volumes; i++)
         memcpy(of[i], boxes[first + i], sizeof *of);
     for (int i = 0; i < groups; i++)
-        memcpy(of[volumes + i], g->links[child + i].places->nodes->box, sizeof *of);
+        memcpy(of[volumes + i], g->links[child + i].places->box, sizeof *of);
     object_tree_release(t, m);
     status st = object_tree_make(t, m, (const double(*)[2][3])of, (uint32_t)count);
     mem_free(m, of);

@@ -36,6 +36,8 @@ typedef struct ray_question {
     extreme_state *extreme;
     uint32_t missed; /* the treelet it waits for, where all are NULL */
     ray ray;
+    object_list objects; /* of the integrator: what it knows of a ray's way through the scene. A
+                            question of the same ray may find it again, and any other */
 } ray_question;
 
 typedef struct integrator {

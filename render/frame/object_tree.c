@@ -1,93 +1,13 @@
 #include "render/frame/object_tree.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-
-#include "formats/base/box3.h"
-
-/* Relative: what places of LEAFCAST_SCALE_UNEVEN make of a rounding, 2^20 * 2^-53 times a few, is
- * less than a hundredth of it. */
-static const double slack = 0x1p-24;
 
 /* ---- Making ---- */
 
-/* An entry while the tree is made. */
-typedef struct member {
-    double box[2][3], middle[3];
-    uint32_t entry;
-} member;
-
-static int order(const member *a, const member *b, int axis) {
-    if (a->middle[axis] != b->middle[axis])
-        return a->middle[axis] < b->middle[axis] ? -1 : 1;
-    return a->entry < b->entry ? -1 : 1;
-}
-
-static int order_x(const void *a, const void *b) {
-    return order(a, b, 0);
-}
-static int order_y(const void *a, const void *b) {
-    return order(a, b, 1);
-}
-static int order_z(const void *a, const void *b) {
-    return order(a, b, 2);
-}
-
-/* Make the node of these entries, and all below it, from node `at` on. Halves them by their
- * middles, along the axis on which these lie furthest apart. */
-static void make_node(object_tree *t, uint32_t at, member *of, uint32_t count) {
-    static int (*const orders[3])(const void *, const void *) = {order_x, order_y, order_z};
-    object_node *n = &t->nodes[at];
-    double spread[2][3];
-    int axis = 0;
-    *n = (object_node){.least = UINT32_MAX};
-    box3_begin(n->box);
-    box3_begin(spread);
-    for (uint32_t i = 0; i < count; i++) {
-        box3_widen(n->box, of[i].box[0], of[i].box[1]);
-        box3_widen(spread, of[i].middle, of[i].middle);
-        n->least = of[i].entry < n->least ? of[i].entry : n->least;
-        n->most = of[i].entry > n->most ? of[i].entry : n->most;
-    }
-    if (count == 1) {
-        t->leaf[n->least] = at;
-        return;
-    }
-    for (int a = 1; a < 3; a++)
-        if (spread[1][a] - spread[0][a] > spread[1][axis] - spread[0][axis])
-            axis = a;
-    qsort(of, count, sizeof *of, orders[axis]);
-    const uint32_t half = count / 2;
-    n->second = at + 2 * half;
-    make_node(t, at + 1, of, half);
-    make_node(t, at + 2 * half, of + half, count - half);
-}
-
-/* Widen a box by much more than rounding. */
-static void begin_member(member *m, const double box[2][3], uint32_t entry) {
-    double far = 0.0;
-    m->entry = entry;
-    for (int a = 0; a < 3; a++)
-        far = fmax(far, fmax(fabs(box[0][a]), fabs(box[1][a])));
-    for (int a = 0; a < 3; a++) {
-        m->box[0][a] = box[0][a] - slack * far;
-        m->box[1][a] = box[1][a] + slack * far;
-        m->middle[a] = 0.5 * box[0][a] + 0.5 * box[1][a];
-    }
-}
-
 status object_tree_make(object_tree *t, mem *m, const double (*boxes)[2][3], uint32_t entries) {
-    member *members = mem_array(m, entries, sizeof *members);
-    *t = (object_tree){.entries = entries, .singles = entries, .objects = entries};
-    t->nodes = members ? mem_array(m, 2 * (size_t)entries - 1, sizeof *t->nodes) : NULL;
-    t->leaf = t->nodes ? mem_array(m, entries, sizeof *t->leaf) : NULL;
-    for (uint32_t i = 0; i < entries && t->leaf; i++)
-        begin_member(&members[i], boxes[i], i);
-    if (t->leaf)
-        make_node(t, 0, members, entries);
-    mem_free(m, members);
-    return t->leaf ? ST_OK : ST_NOMEM;
+    *t = (object_tree){.singles = entries, .objects = entries};
+    return box_tree_make(&t->of, m, boxes, entries);
 }
 
 /* How many objects a group has at its places before this one. */
@@ -102,7 +22,7 @@ static const object_tree *members_at(const object_group *g, uint32_t place) {
 
 bool object_tree_count(object_tree *t, object_group *groups) {
     uint64_t count = t->singles;
-    for (uint32_t i = 0; i < t->entries - t->singles && count <= OBJECTS_MOST; i++) {
+    for (uint32_t i = 0; i < t->of.entries - t->singles && count <= OBJECTS_MOST; i++) {
         groups[i].first = (uint32_t)count;
         count += objects_before(&groups[i], groups[i].places->entries);
     }
@@ -111,167 +31,65 @@ bool object_tree_count(object_tree *t, object_group *groups) {
 }
 
 void object_tree_release(object_tree *t, mem *m) {
-    mem_free(m, t->leaf);
-    mem_free(m, t->nodes);
-    *t = (object_tree){0};
+    box_tree_release(&t->of, m);
+    *t = (object_tree){.objects = 0};
 }
 
-/* ---- Asking ---- */
-
-/* As fmin() and fmax(), of numbers that are none of them a NaN, without a call. */
-static inline double lesser(double a, double b) {
-    return a < b ? a : b;
-}
-static inline double greater(double a, double b) {
-    return a > b ? a : b;
-}
-
-/* A ray in the world of a tree. */
-typedef struct way {
-    double origin[3], direction[3];
-    double inverse[3]; /* of the direction, but for 0 */
-} way;
-
-/* The part of it that is of interest. */
-typedef struct span {
-    double t0, t1;
-} span;
-
-static way way_of(const double origin[3], const double direction[3]) {
-    way w;
-    for (int a = 0; a < 3; a++) {
-        w.origin[a] = origin[a];
-        w.direction[a] = direction[a];
-        w.inverse[a] = direction[a] == 0.0 ? 0.0 : 1.0 / direction[a];
-    }
-    return w;
-}
-
-/* A ray as the world of a group has it, at one of its places. */
-static way way_at(const way *w, const placement *p) {
-    double origin[3], direction[3];
-    return way_of(placement_point(p, w->origin, origin),
-                  placement_vector(p, w->direction, direction));
-}
-
-/* Whether the ray meets a box: sets *at to where, within `within`. Its ends keep their order from a
- * box to one inside it. */
-static bool meets(const way *w, const span *within, const double box[2][3], span *at) {
-    double t0 = -INFINITY, t1 = INFINITY;
-    for (int a = 0; a < 3; a++) {
-        const double o = w->origin[a], d = w->direction[a];
-        if (d == 0.0) {
-            if (o < box[0][a] || o > box[1][a])
-                return false;
-            continue;
-        }
-        const bool up = d > 0.0;
-        t0 = greater(t0, (box[!up][a] - o) * w->inverse[a]);
-        t1 = lesser(t1, (box[up][a] - o) * w->inverse[a]);
-    }
-    t0 -= slack * fabs(t0);
-    t1 += slack * fabs(t1);
-    at->t0 = greater(t0, within->t0);
-    at->t1 = lesser(t1, within->t1);
-    return at->t0 <= at->t1;
-}
-
-/* Whether the first child of a node is likely to be entered first: a guess, for speed alone. */
-static bool begins_with_first(const object_tree *t, uint32_t i, const double direction[3]) {
-    const object_node *a = &t->nodes[i + 1], *b = &t->nodes[t->nodes[i].second];
-    double along = 0.0;
-    for (int k = 0; k < 3; k++)
-        along += direction[k] * (b->box[0][k] - a->box[0][k] + b->box[1][k] - a->box[1][k]);
-    return along > 0.0;
-}
-
-enum { DEPTH = 32 }; /* of a tree that halves up to 2^31 entries */
+/* ---- Levels ---- */
 
 /* A tree, or the places of a group: both have boxes, and objects behind them. */
 typedef struct level {
-    const object_tree *boxes;
-    const object_group *places; /* boxes are its places; NULL: a tree's own entries */
+    const box_tree *boxes;
+    const object_tree *tree;    /* whose entries they are; NULL: they are */
+    const object_group *places; /* those of this group */
     uint32_t first;             /* number of its first object in the whole */
 } level;
 
+static level level_of(const object_tree *t, uint32_t first) {
+    return (level){&t->of, t, NULL, first};
+}
+
 /* The number of the first object of an entry; of the one behind the last entry: of all behind. */
 static uint32_t first_of(const level *l, uint32_t entry) {
-    const object_tree *t = l->boxes;
-    if (l->places)
+    const object_tree *t = l->tree;
+    if (!t)
         return l->first + (uint32_t)objects_before(l->places, entry);
     if (entry < t->singles)
         return l->first + entry;
-    return l->first + (entry < t->entries ? t->groups[entry - t->singles].first : t->objects);
-}
-
-/* What is behind an entry that is no object. *own: the ray as that has it, if it differs; returns
- * the ray to go on with. */
-static const way *enter(const level *l, uint32_t entry, const way *w, level *next, way *own) {
-    const uint32_t first = first_of(l, entry);
-    if (!l->places) {
-        const object_group *g = &l->boxes->groups[entry - l->boxes->singles];
-        *next = (level){g->places, g, first};
-        return w;
-    }
-    *next = (level){members_at(l->places, entry), NULL, first};
-    *own = way_at(w, &l->places->place[entry]);
-    return own;
+    return l->first + (entry < t->of.entries ? t->groups[entry - t->singles].first : t->objects);
 }
 
 static bool is_object(const level *l, uint32_t entry) {
-    return !l->places && entry < l->boxes->singles;
+    return l->tree && entry < l->tree->singles;
 }
 
-/* The search for the next entry behind another. */
-typedef struct search {
-    object_entry before, best;
-} search;
-
-static void take_after(search *s, double t, uint32_t object) {
-    const object_entry *before = &s->before, *best = &s->best;
-    const bool after = t > before->t || (t == before->t && object > before->object);
-    if (after && (t < best->t || (t == best->t && object < best->object)))
-        s->best = (object_entry){t, object};
+/* What is behind an entry that is no object. */
+static level level_behind(const level *l, uint32_t entry) {
+    const uint32_t first = first_of(l, entry);
+    if (!l->tree)
+        return level_of(members_at(l->places, entry), first);
+    const object_group *g = &l->tree->groups[entry - l->tree->singles];
+    return (level){g->places, NULL, g, first};
 }
 
-static void search_after(const level *l, const way *w, const span *within, search *s) {
-    const object_tree *t = l->boxes;
-    uint32_t stack[DEPTH + 1], count = 1;
-    stack[0] = 0;
-    while (count > 0) {
-        const uint32_t i = stack[--count];
-        const object_node *n = &t->nodes[i];
-        span at;
-        if (!meets(w, within, n->box, &at) || at.t1 < s->before.t || at.t0 > s->best.t)
-            continue;
-        if (n->second) {
-            const bool first = begins_with_first(t, i, w->direction);
-            stack[count++] = first ? n->second : i + 1;
-            stack[count++] = first ? i + 1 : n->second;
-        } else if (is_object(l, n->least)) {
-            take_after(s, at.t0, first_of(l, n->least));
-        } else {
-            level next;
-            way own;
-            const way *on = enter(l, n->least, w, &next, &own);
-            search_after(&next, on, &at, s);
-        }
-    }
-}
-
-bool object_tree_after(const object_tree *t, const object_ray *r, object_entry *at) {
-    const way w = way_of(r->origin, r->direction);
-    search s = {*at, {INFINITY, UINT32_MAX}};
-    search_after(&(level){t, NULL, 0}, &w, &(span){r->t0, r->t1}, &s);
-    if (s.best.object != UINT32_MAX)
-        *at = s.best;
-    return s.best.object != UINT32_MAX;
+/* Go on behind an entry. *own: the way as that has it, if it differs; returns the one to go on
+ * with. */
+static const box_way *enter(const level *l, uint32_t entry, const box_way *w, level *next,
+                            box_way *own) {
+    double origin[3], direction[3];
+    *next = level_behind(l, entry);
+    if (l->tree)
+        return w;
+    const placement *p = &l->places->place[entry];
+    *own = box_way_of(placement_point(p, w->origin, origin),
+                      placement_vector(p, w->direction, direction));
+    return own;
 }
 
 /* The entry of a level that has an object. */
 static uint32_t entry_with(const level *l, uint32_t object) {
     uint32_t low = 0, high = l->boxes->entries;
-    if (l->places && !l->places->which)
+    if (!l->tree && !l->places->which)
         return (object - l->first) / l->places->members->objects;
     if (is_object(l, object - l->first))
         return object - l->first;
@@ -285,54 +103,224 @@ static uint32_t entry_with(const level *l, uint32_t object) {
     return low;
 }
 
-object_entry object_tree_entry(const object_tree *t, const object_ray *r, uint32_t object) {
-    way own[2] = {way_of(r->origin, r->direction)};
-    const way *w = &own[0];
-    level l = {t, NULL, 0};
-    span at = {r->t0, r->t1};
+/* ---- The next objects ---- */
+
+static bool is_before(const object_entry *a, const object_entry *b) {
+    return a->t < b->t || (a->t == b->t && a->object < b->object);
+}
+
+/* The search for what follows an entry. */
+typedef struct search {
+    object_entry before;
+    double t1;         /* up to there, or up to where the last one of a full list is entered */
+    object_list *list; /* what was found so far, in order */
+} search;
+
+/* Put an object into its place in the list, unless that is full of nearer ones. */
+static void take(search *s, double t, uint32_t object) {
+    object_list *l = s->list;
+    const bool full = l->count == OBJECT_LIST;
+    const object_entry e = {t, object};
+    if (!is_before(&s->before, &e) || (full && !is_before(&e, &l->of[OBJECT_LIST - 1])))
+        return;
+    unsigned at = full ? OBJECT_LIST - 1 : l->count++;
+    for (; at > 0 && is_before(&e, &l->of[at - 1]); at--)
+        l->of[at] = l->of[at - 1];
+    l->of[at] = e;
+    if (l->count == OBJECT_LIST)
+        s->t1 = l->of[OBJECT_LIST - 1].t;
+}
+
+/* A child that the ray meets, between two s. */
+typedef struct met_child {
+    uint32_t child;
+    bool inner;
+    float s0, s1;
+} met_child;
+
+/* Put the children of a node that the ray meets onto a stack, the nearest one last. */
+static unsigned push_children(const box_tree *t, const box_ray *r, uint32_t node, float least,
+                              float most, met_child *stack, unsigned count) {
+    const box_node *n = &t->nodes[node];
+    const unsigned bottom = count;
+    float s0[BOX_WIDTH], s1[BOX_WIDTH];
+    for (unsigned bits = box_ray_meets(r, n, least, most, s0, s1); bits; bits &= bits - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(bits);
+        unsigned at = count++;
+        for (; at > bottom && stack[at - 1].s0 < s0[k]; at--)
+            stack[at] = stack[at - 1];
+        stack[at] = (met_child){n->child[k], n->inner >> k & 1U, s0[k], s1[k]};
+    }
+    return count;
+}
+
+static void search_next(const level *l, const box_way *w, const box_span *within, search *s);
+
+/* Take an entry that the ray meets, or what is behind it. */
+static void take_entry(const level *l, uint32_t entry, const box_way *w, const box_span *at,
+                       search *s) {
+    if (is_object(l, entry)) {
+        take(s, at->t0, first_of(l, entry));
+        return;
+    }
+    level next;
+    box_way own;
+    const box_way *on = enter(l, entry, w, &next, &own);
+    search_next(&next, on, at, s);
+}
+
+static void search_next(const level *l, const box_way *w, const box_span *within, search *s) {
+    met_child stack[BOX_STACK];
+    unsigned count = 0;
+    box_span at;
+    box_ray r;
+    if (!box_tree_enter(l->boxes, w, within, &at, &r) || at.t1 < s->before.t || at.t0 > s->t1)
+        return;
+    if (!l->boxes->nodes) {
+        take_entry(l, 0, w, &at, s);
+        return;
+    }
+    const float least = box_ray_least(&r, s->before.t);
+    count = push_children(l->boxes, &r, 0, least, box_ray_most(&r, s->t1), stack, count);
+    while (count > 0) {
+        const met_child c = stack[--count];
+        const float most = box_ray_most(&r, s->t1);
+        if (c.s0 > most)
+            continue;
+        if (c.inner) {
+            count = push_children(l->boxes, &r, c.child, least, most, stack, count);
+            continue;
+        }
+        at = box_ray_span(&r, c.s0, c.s1);
+        if (at.t0 <= at.t1 && at.t1 >= s->before.t && at.t0 <= s->t1)
+            take_entry(l, c.child, w, &at, s);
+    }
+}
+
+/* Where a ray enters the box of an object that was found on it. */
+static object_entry entry_of(const object_tree *t, const object_ray *r, uint32_t object) {
+    box_way own[2] = {box_way_of(r->origin, r->direction)};
+    const box_way *w = &own[0];
+    level l = level_of(t, 0);
+    box_span at = {r->t0, INFINITY};
     for (;;) {
         const uint32_t entry = entry_with(&l, object);
-        const span within = at;
-        level next;
-        (void)meets(w, &within, l.boxes->nodes[l.boxes->leaf[entry]].box, &at);
+        const box_span within = at;
+        box_ray ray;
+        (void)box_tree_enter(l.boxes, w, &within, &at, &ray);
+        if (l.boxes->nodes) {
+            const uint32_t leaf = l.boxes->leaf[entry], k = leaf % BOX_WIDTH;
+            float s0[BOX_WIDTH], s1[BOX_WIDTH];
+            (void)box_ray_meets(&ray, &l.boxes->nodes[leaf / BOX_WIDTH], -INFINITY, INFINITY, s0,
+                                s1);
+            at = box_ray_span(&ray, s0[k], s1[k]);
+        }
         if (is_object(&l, entry))
             return (object_entry){at.t0, object};
+        level next;
         w = enter(&l, entry, w, &next, w == &own[0] ? &own[1] : &own[0]);
         l = next;
     }
 }
 
+/* Whether a list is of a ray, from the same t0. */
+static bool is_list_of(const object_list *list, const object_ray *r) {
+    return list->count > 0 && list->t0 == r->t0 &&
+           memcmp(list->origin, r->origin, sizeof list->origin) == 0 &&
+           memcmp(list->direction, r->direction, sizeof list->direction) == 0;
+}
+
+/* Find the objects behind an entry. */
+static void fill_list(const object_tree *t, const object_ray *r, const object_entry *before,
+                      object_list *list) {
+    const box_way w = box_way_of(r->origin, r->direction);
+    const level l = level_of(t, 0);
+    search s = {*before, r->t1, list};
+    list->count = 0;
+    list->t0 = r->t0;
+    memcpy(list->origin, r->origin, sizeof list->origin);
+    memcpy(list->direction, r->direction, sizeof list->direction);
+    search_next(&l, &w, &(box_span){r->t0, r->t1}, &s);
+}
+
+uint32_t object_tree_next(const object_tree *t, const object_ray *r, uint32_t before,
+                          object_list *list) {
+    object_entry last = {-INFINITY, 0};
+    unsigned at = 0;
+    bool found = false;
+    if (before != object_none && is_list_of(list, r))
+        while (at < list->count && !found)
+            found = list->of[at++].object == before;
+    if (found && at == list->count && list->count < OBJECT_LIST)
+        return object_none;
+    if (found)
+        last = list->of[at - 1];
+    if (!found || at == list->count) {
+        if (before != object_none && !found)
+            last = entry_of(t, r, before);
+        fill_list(t, r, &last, list);
+        at = 0;
+    }
+    return at < list->count && list->of[at].t <= r->t1 ? list->of[at].object : object_none;
+}
+
+/* ---- The next number ---- */
+
 /* Returns the least number from `from` on, below `best`, or `best`. */
-static uint32_t search_from(const level *l, const way *w, const span *within, uint32_t from,
+static uint32_t search_from(const level *l, const box_way *w, const box_span *within, uint32_t from,
+                            uint32_t best);
+
+/* The same of an entry that the ray meets, and of what is behind it. */
+static uint32_t entry_from(const level *l, uint32_t entry, const box_way *w, const box_span *at,
+                           uint32_t from, uint32_t best) {
+    const uint32_t first = first_of(l, entry);
+    if (first_of(l, entry + 1) <= from || first >= best)
+        return best;
+    if (is_object(l, entry))
+        return first;
+    level next;
+    box_way own;
+    const box_way *on = enter(l, entry, w, &next, &own);
+    return search_from(&next, on, at, from, best);
+}
+
+static uint32_t search_from(const level *l, const box_way *w, const box_span *within, uint32_t from,
                             uint32_t best) {
-    const object_tree *t = l->boxes;
-    uint32_t stack[DEPTH + 1], count = 1;
-    stack[0] = 0;
+    uint32_t stack[BOX_STACK];
+    unsigned count = 0;
+    box_span at;
+    box_ray r;
+    if (first_of(l, l->boxes->entries) <= from || first_of(l, 0) >= best ||
+        !box_tree_enter(l->boxes, w, within, &at, &r))
+        return best;
+    if (!l->boxes->nodes)
+        return entry_from(l, 0, w, &at, from, best);
+    const float most = box_ray_most(&r, within->t1);
+    stack[count++] = 0;
     while (count > 0) {
-        const uint32_t i = stack[--count];
-        const object_node *n = &t->nodes[i];
-        span at;
-        if (first_of(l, n->most + 1) <= from || first_of(l, n->least) >= best ||
-            !meets(w, within, n->box, &at))
+        const box_node *n = &l->boxes->nodes[stack[--count]];
+        float s0[BOX_WIDTH], s1[BOX_WIDTH];
+        if (first_of(l, n->most + 1) <= from || first_of(l, n->least) >= best)
             continue;
-        if (n->second) {
-            stack[count++] = n->second;
-            stack[count++] = i + 1;
-        } else if (is_object(l, n->least)) {
-            best = first_of(l, n->least);
-        } else {
-            level next;
-            way own;
-            const way *on = enter(l, n->least, w, &next, &own);
-            best = search_from(&next, on, &at, from, best);
+        for (unsigned bits = box_ray_meets(&r, n, -INFINITY, most, s0, s1); bits;
+             bits &= bits - 1) {
+            const unsigned k = (unsigned)__builtin_ctz(bits);
+            if (n->inner >> k & 1U) {
+                stack[count++] = n->child[k];
+                continue;
+            }
+            at = box_ray_span(&r, s0[k], s1[k]);
+            if (at.t0 <= at.t1)
+                best = entry_from(l, n->child[k], w, &at, from, best);
         }
     }
     return best;
 }
 
 uint32_t object_tree_from(const object_tree *t, const object_ray *r, uint32_t from) {
-    const way w = way_of(r->origin, r->direction);
-    return search_from(&(level){t, NULL, 0}, &w, &(span){r->t0, r->t1}, from, t->objects);
+    const box_way w = box_way_of(r->origin, r->direction);
+    const level l = level_of(t, 0);
+    return search_from(&l, &w, &(box_span){r->t0, r->t1}, from, t->objects);
 }
 
 /* ---- Objects ---- */
@@ -345,23 +333,19 @@ typedef struct chain {
 } chain;
 
 static chain chain_to(const object_tree *t, uint32_t object) {
-    level l = {t, NULL, 0};
+    level l = level_of(t, 0);
     chain c = {.count = 0};
     for (;;) {
-        const uint32_t entry = entry_with(&l, object), first = first_of(&l, entry);
+        const uint32_t entry = entry_with(&l, object);
         if (is_object(&l, entry)) {
-            if (l.boxes->place && l.boxes->place[entry].moved)
-                c.of[c.count++] = &l.boxes->place[entry];
-            c.volume = l.boxes->volume + entry;
+            if (l.tree->place && l.tree->place[entry].moved)
+                c.of[c.count++] = &l.tree->place[entry];
+            c.volume = l.tree->volume + entry;
             return c;
         }
-        if (l.places) {
+        if (!l.tree)
             c.of[c.count++] = &l.places->place[entry];
-            l = (level){members_at(l.places, entry), NULL, first};
-        } else {
-            const object_group *g = &l.boxes->groups[entry - l.boxes->singles];
-            l = (level){g->places, g, first};
-        }
+        l = level_behind(&l, entry);
     }
 }
 

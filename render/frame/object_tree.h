@@ -1,5 +1,5 @@
-/* object_tree.h - which objects of a scene a ray may meet: a binary tree of boxes in the scene's
- * world, over the boxes of all objects.
+/* object_tree.h - which objects of a scene a ray may meet: a tree of boxes in the scene's world,
+ * over the boxes of all objects.
  *
  * Objects that are placed together many times are a group (M08 5.2: multi-level instancing): a tree
  * of its own in a world of its own, which is an entry of the tree above, under a tree over the
@@ -7,9 +7,10 @@
  * each of its places those of the group. So a number says where an object is, and no list is as
  * long as there are objects.
  *
- * Nothing is remembered between questions, so a ray that is suspended keeps only the object that it
- * is at. Boxes, and the t at which rays meet them, are widened by much more than rounding, and by
- * what places may do to it: an object is never missed, but may be asked in vain.
+ * A ray that is suspended keeps only the object that it is at: the search begins anew from there. A
+ * ray that goes on has a list of the objects that come next. Boxes, and the t at which rays meet
+ * them, are widened by much more than rounding, and by what places may do to it: an object is never
+ * missed, but may be asked in vain.
  */
 #ifndef RENDER_FRAME_OBJECT_TREE_H
 #define RENDER_FRAME_OBJECT_TREE_H
@@ -18,19 +19,12 @@
 #include <stdint.h>
 
 #include "formats/base/mem.h"
+#include "render/frame/box_tree.h"
 #include "render/ray/placement.h"
 
-typedef struct object_node {
-    double box[2][3];
-    uint32_t least, most; /* the least and the greatest number of its entries */
-    uint32_t second;      /* its second child; the first one follows it. 0: a leaf of one entry */
-} object_node;
-
 typedef struct object_tree {
-    object_node *nodes; /* 2 entries - 1; the root first */
-    uint32_t *leaf;     /* the node of each entry */
-    uint32_t entries;
-    uint32_t singles;                  /* the first entries are objects, */
+    box_tree of;                       /* its entries */
+    uint32_t singles;                  /* the first ones are objects, */
     const struct object_group *groups; /* and the others these */
     uint32_t volume;        /* number of the first object's volume; those of the next ones follow */
     const placement *place; /* of each such object; NULL: its tracer has it */
@@ -38,9 +32,9 @@ typedef struct object_tree {
 } object_tree;
 
 typedef struct object_group {
-    const object_tree *places; /* an entry each, as if an object; in the world of the tree above */
-    const placement *place;    /* where each is */
-    const uint16_t *which;     /* of these members each has; NULL: the first ones */
+    const box_tree *places; /* an entry each, in the world of the tree above */
+    const placement *place; /* where each is */
+    const uint16_t *which;  /* of these members each has; NULL: the first ones */
     const uint32_t *starts; /* with that: how many objects come before it; and the number of all */
     const object_tree *members;
     uint32_t first; /* its first object's number, in the tree above */
@@ -51,8 +45,9 @@ enum {
     OBJECTS_MOST = UINT32_MAX - 1 /* of a tree */
 };
 
-/* object_tree_make() - boxes: of 1 or more entries, in order, which are all objects; for a tree
- * with groups, set `singles` and what follows it, and object_tree_count(), then. ST_NOMEM.
+/* object_tree_make() - boxes: of 1 to BOX_ENTRIES_MOST entries, in order, which are all objects;
+ * for a tree with groups, set `singles` and what follows it, and object_tree_count(), then.
+ * ST_NOMEM.
  * object_tree_release() - an empty one, too. object_tree_count() - count the objects, and set each
  * group's `first`. Returns false if there are more than OBJECTS_MOST. */
 CHECKED status object_tree_make(object_tree *t, mem *m, const double (*boxes)[2][3],
@@ -73,13 +68,23 @@ typedef struct object_entry {
     uint32_t object;
 } object_entry;
 
-/* object_tree_after() - set *at to the next object after it in that order. Returns false, and
- * leaves it, if the ray meets no more. To begin, at->t = -INFINITY. */
-bool object_tree_after(const object_tree *t, const object_ray *r, object_entry *at);
+enum { OBJECT_LIST = 8 };
 
-/* object_tree_entry() - returns the entry of an object that object_tree_after() has returned for
- * this ray; its t1 may have been another one. */
-object_entry object_tree_entry(const object_tree *t, const object_ray *r, uint32_t object);
+/* The next objects on a ray behind one that was asked for. */
+typedef struct object_list {
+    double origin[3], direction[3], t0; /* of the ray */
+    object_entry of[OBJECT_LIST];
+    unsigned count; /* 0: of no ray yet; OBJECT_LIST: there may be others behind them */
+} object_list;
+
+static const uint32_t object_none = UINT32_MAX;
+
+/* object_tree_next() - returns the next object behind `before` in that order; before: an object
+ * that was returned for this ray, with the same t0 but maybe a greater t1, or object_none to begin.
+ * object_none: the ray meets no more. list: zeroed at first, and then of any ray: a list that fits
+ * spares the search. */
+uint32_t object_tree_next(const object_tree *t, const object_ray *r, uint32_t before,
+                          object_list *list);
 
 /* object_tree_from() - returns the first object by number, from `from` on, whose box the ray meets;
  * t->objects: it meets no more. */

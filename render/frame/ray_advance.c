@@ -134,6 +134,7 @@ void ray_advance(const frame *f, ray_group *c, ray_batch *b, ray_pieces *pieces,
     for (unsigned i = 0; i < c->count; i++) {
         c->blocked[i] = false;
         c->question[i].extreme = NULL;
+        c->question[i].objects.count = 0;
         c->asks[i] = f->integrator->ask(f, c->record[i], &c->question[i], counters);
     }
     for (unsigned first = next_of(c); first < c->count; first = next_of(c)) {

@@ -38,8 +38,8 @@ static bool has_surfaces(const frame *f, uint32_t object) {
 }
 
 /* Whether s->object is to be searched: go on to the next one that is, if need be. */
-static bool reach(const frame *f, const world_ray *w, surface_search *s) {
-    if (s->searching)
+static bool reach(const frame *f, const world_ray *w, object_list *list, surface_search *s) {
+    if (s->searching || s->stand_in)
         return true;
     if (s->any && hit_exists(&s->found))
         return false;
@@ -50,14 +50,12 @@ static bool reach(const frame *f, const world_ray *w, surface_search *s) {
     }
     const object_ray r = {w->origin, w->direction, fmax(w->t0, s->behind.t),
                           fmin(w->t1, s->found.t)};
-    object_entry at = {-INFINITY, 0};
-    if (s->object > 0) /* behind the one before it */
-        at = object_tree_entry(f->objects, &r, s->object - 1);
-    bool any = object_tree_after(f->objects, &r, &at);
-    while (any && !has_surfaces(f, at.object))
-        any = object_tree_after(f->objects, &r, &at);
-    s->object = at.object;
-    return any;
+    uint32_t at = s->object > 0 ? s->object - 1 : object_none;
+    do
+        at = object_tree_next(f->objects, &r, at, list);
+    while (at != object_none && !has_surfaces(f, at));
+    s->object = at != object_none ? at : s->object;
+    return at != object_none;
 }
 
 /* Make the ray of the object's volume, by a tracer of it. Returns false where clip planes leave
@@ -80,7 +78,7 @@ static void take_back(const frame *f, const world_ray *w, surface_search *s) {
 
 bool surface_search_ask(const frame *f, const world_ray *w, const tracer *const coarse[],
                         uint16_t *volume, surface_search *s, ray_question *q) {
-    for (; reach(f, w, s); ++s->object) {
+    for (; reach(f, w, &q->objects, s); ++s->object) {
         placement place;
         if (!s->searching)
             begin(s, w);

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/leafcast_dynamic.h"
 #include "tests/support/fixture.h"
 #include "tests/support/scene_stage.h"
 
@@ -203,6 +204,41 @@ static void mirrors_see_groups(void **state) {
     rename_ids(&w, &truth);
     scene_stage_same(&truth, &other);
     wood_close(&w);
+}
+
+/* A mirrored ray that starts on a triangle meets the same one where its volume is placed again. */
+static void a_mirror_sees_its_own_volume_elsewhere(void **state) {
+    static const float vertices[3][3] = {{-90, -80, 0}, {90, -80, 0}, {0, 90, 0}};
+    static const uint32_t triangles[1][3] = {{0, 1, 2}};
+    static const double above[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 2};
+    static picture p;
+    (void)state;
+    const leafcast_triangles of = {.size = sizeof of,
+                                   .vertex_count = 3,
+                                   .triangle_count = 1,
+                                   .vertices = vertices,
+                                   .triangles = triangles};
+    const leafcast_surface mirror = {.rgb = {0, 0, 1}, .opacity = 1, .reflectivity = 0.9f},
+                           red = {.rgb = {1, 0, 0}, .opacity = 1};
+    leafcast *v;
+    assert_int_equal(leafcast_open_triangles(&of, NULL, &v), LEAFCAST_OK);
+    const leafcast_shown shown[2] = {{.volume = v, .surfaces = &mirror, .count = 1},
+                                     {.volume = v, .surfaces = &red, .count = 1, .place = above}};
+    leafcast_scene scene = leafcast_scene_default();
+    scene.volumes = shown;
+    scene.volume_count = 2;
+    scene.bounces = 1;
+    const leafcast_camera view = {.size = sizeof view,
+                                  .eye = {0, -1, 1},
+                                  .look_at = {0, 0, 0},
+                                  .up = {0, 0, 1},
+                                  .fov = 10,
+                                  .width = PICTURE_WIDTH,
+                                  .height = PICTURE_HEIGHT};
+    pictures_draw(v, &scene, &view, &p, NULL);
+    for (int i = 0; i < PICTURE_PIXELS; i++)
+        assert_true(p.id[i] >= 0 && p.rgba[0][i] > 0.5f && p.rgba[0][i] > 4 * p.rgba[2][i]);
+    leafcast_close(v);
 }
 
 static void media_lie_between_groups(void **state) {
@@ -498,6 +534,7 @@ static void what_groups_cannot_have_is_told(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(groups_are_the_list_of_their_objects),
                                        cmocka_unit_test(mirrors_see_groups),
+                                       cmocka_unit_test(a_mirror_sees_its_own_volume_elsewhere),
                                        cmocka_unit_test(media_lie_between_groups),
                                        cmocka_unit_test(rays_tell_the_object),
                                        cmocka_unit_test(places_say_which_group_lies_there),
