@@ -21,7 +21,7 @@ CHECKED status light_options_occlusion(const char *text, leafcast_scene *scene);
 
 /* light_options_reflect() - take "WEIGHT[,BOUNCES]" for a surface, light_options_refract() -
  * "INDEX[,BOUNCES]". *bounces stays where they are not given. */
-enum { LIGHT_OPTIONS_BENDS = 4 }; /* bounces of glass that says nothing else */
+enum { LIGHT_OPTIONS_BENDS = 4 }; /* bounces of refractions that ask for none */
 CHECKED status light_options_reflect(const char *text, leafcast_surface *surface, int *bounces);
 CHECKED status light_options_refract(const char *text, leafcast_surface *surface, int *bounces);
 

@@ -92,10 +92,12 @@ static status read_surfaces(const scene_reading *r, int object, const json_t *va
         st = read_surface(json_array_get(value, i),
                           scene_place_in(r, what, "objects[%d].surfaces[%zu]", object, i),
                           &v->surfaces[i]);
-    v->isos = v->colours = v->opacities = v->reflects = v->refracts = (int)count;
+    v->isos = v->colours = v->opacities = v->reflects = (int)count;
     for (size_t i = 0; i < count; i++)
-        view_options_bounce(v, v->surfaces[i].reflectivity > 0.0f,
-                            v->surfaces[i].refraction > 0.0f ? LIGHT_OPTIONS_BENDS : 0);
+        if (v->surfaces[i].refraction > 0.0f)
+            v->refracts = (int)i + 1;
+    for (size_t i = 0; i < count; i++)
+        view_options_bounce(v, v->surfaces[i].reflectivity > 0.0f, 0);
     return st;
 }
 

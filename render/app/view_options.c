@@ -255,7 +255,8 @@ static int more_of(int a, int b) {
 void view_options_bounce(view_options *v, int reflect, int refract) {
     v->reflect_bounces = more_of(v->reflect_bounces, reflect);
     v->refract_bounces = more_of(v->refract_bounces, refract);
-    v->scene.bounces = more_of(v->reflect_bounces, v->refract_bounces);
+    const int bends = v->refract_bounces > 0 ? v->refract_bounces : LIGHT_OPTIONS_BENDS;
+    v->scene.bounces = more_of(v->reflect_bounces, v->refracts > 0 ? bends : 0);
 }
 
 static status add_reflect(view_options *v, const char *text) {
@@ -270,13 +271,13 @@ static status add_reflect(view_options *v, const char *text) {
 }
 
 static status add_refract(view_options *v, const char *text) {
-    int bounces = LIGHT_OPTIONS_BENDS;
+    int bounces = 0;
     status st = room("--refract", v->refracts, LEAFCAST_SURFACES_MAX);
     if (st == ST_OK)
         st = light_options_refract(text, &v->surfaces[v->refracts], &bounces);
+    v->refracts += st == ST_OK;
     if (st == ST_OK)
         view_options_bounce(v, 0, bounces);
-    v->refracts += st == ST_OK;
     return st;
 }
 

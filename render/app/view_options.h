@@ -22,8 +22,8 @@ typedef struct view_options {
     leafcast_surface
         surfaces[LEAFCAST_SURFACES_MAX]; /* view_options_check() fills in what was not given */
     int isos, colours, opacities, reflects, refracts; /* how often each flag was given */
-    int reflect_bounces, refract_bounces;             /* the most that each flag asks for */
-    leafcast_scene scene; /* without experiments; view_options_scene() adds them */
+    int reflect_bounces, refract_bounces; /* the most that each flag asks for; 0: none does */
+    leafcast_scene scene;                 /* without experiments; view_options_scene() adds them */
     leafcast_scene_experiments experiments;
     leafcast_camera camera; /* width and height; other fields if flags gave them, see below */
     bool eye, look_at, up, fov;
@@ -79,8 +79,8 @@ bool view_options_of_one(int key);
 /* view_options_clear() - reset a flag as if it had not been given. */
 void view_options_clear(view_options *v, int key);
 
-/* view_options_bounce() - let the scene have at least so many bounces for reflections, and so many
- * for refractions. */
+/* view_options_bounce() - let reflections ask for at least so many bounces, and refractions, which
+ * have LIGHT_OPTIONS_BENDS if none of them asks for any. */
 void view_options_bounce(view_options *v, int reflect, int refract);
 
 /* view_options_inherit() - let a line of a script or an entry of a path start from the flags given
