@@ -427,7 +427,7 @@ typedef struct leafcast_stats {
     /* In wall-clock seconds; load_s: summed over the loader's threads. */
     double open_s, first_image_s, load_s, render_s;
     uint64_t rays, primary_rays, shadow_rays; /* rays: all of them */
-    uint64_t occlusion_rays, mirrored_rays;
+    uint64_t occlusion_rays, mirrored_rays, refracted_rays;
     /* treelets_loaded and bytes_read: since the isovalues or the step were selected; a treelet that
      * is read twice counts twice. */
     uint64_t treelets_total, treelets_active, treelets_loaded;

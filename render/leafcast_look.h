@@ -29,6 +29,8 @@ typedef struct leafcast leafcast; /* a volume */
 /* The largest component of a drawn colour, or of light. */
 #define LEAFCAST_COLOUR_MOST 1e9
 
+#define LEAFCAST_REFRACTION_MOST 4.0
+
 enum {
     LEAFCAST_LEVEL_MAX = 31, /* the last level; a volume's coarsest stands for those it lacks */
     LEAFCAST_SHININESS_MAX = 1024,
@@ -47,6 +49,13 @@ typedef struct leafcast_surface {
     float opacity;      /* (0, 1]; 1 is opaque */
     float reflectivity; /* 0 to 1: the share of the mirrored ray's colour in the surface's own; the
                            scene's `bounces` says how deep */
+    /* The refractive index of its inside, divided by that of its outside: 1 /
+     * LEAFCAST_REFRACTION_MOST to LEAFCAST_REFRACTION_MOST; glass in air has 1.5, an air bubble in
+     * glass 1 / 1.5. 0 or 1, or opaque: rays go straight through. Inside are values from the
+     * isovalue up; of triangles what is behind them, seen from where their corners run
+     * counterclockwise, as normals of closed surfaces point out; of terrain the ground. See the
+     * scene's `bounces`. */
+    float refraction;
 } leafcast_surface;
 
 LEAFCAST_API leafcast_surface leafcast_surface_default(double isovalue);
@@ -278,11 +287,20 @@ typedef struct leafcast_scene {
      * on the other side of the cell's own gradient are left out; if all are, the share is 1. */
     double occlusion;
     int occlusion_samples;
-    /* Mirrored rays, of surfaces with a reflectivity: 0 to LEAFCAST_BOUNCES_MAX one after the
-     * other. They see surfaces, lit like others, and behind these the background; no media and no
-     * caps. A surface keeps its own colour where a mirrored ray would count for 2^-12 of the pixel
-     * or less (without the media before it), and where the ray would lead to the other side of the
-     * cell's own gradient. */
+    /* Mirrored rays, of surfaces with a reflectivity, and mirrored and refracted rays, of those
+     * with a refraction: 0 to LEAFCAST_BOUNCES_MAX one after the other. They see surfaces, lit like
+     * others, and behind these the background; no media and no caps. A surface keeps its own colour
+     * where a mirrored ray would count for 2^-12 of the pixel or less (without the media before
+     * it), and where the ray would lead to the other side of the cell's own gradient.
+     *
+     * Through a surface with a refraction, what its opacity leaves is seen along two rays: the
+     * refracted one by Snell's law, and the mirrored one, whose share is Fresnel's for light that
+     * is not polarised; all of it where reflection is total. One that would count for 2^-12 or less
+     * leaves its share to the other. Directions are by the normal that shades, or by the cell's own
+     * where that would lead to the wrong side; where both do, and where there have been `bounces`
+     * rays, what is behind is seen straight on. `layers_max` counts the surfaces on refracted rays
+     * with those before. Lights shine straight through, as without a refraction. LEAFCAST_USAGE
+     * with media: bent rays would not see them. */
     int bounces;
 } leafcast_scene;
 

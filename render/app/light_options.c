@@ -65,12 +65,12 @@ bool light_options_soft(const leafcast_scene *scene) {
 
 /* Take "X[,N]": a number of lo .. hi, and a whole one of 1 .. most. *n stays where it is not
  * given. */
-static status take_pair(const char *text, const char *what, double hi, int most, double *x,
-                        int *n) {
+static status take_pair(const char *text, const char *what, double lo, double hi, int most,
+                        double *x, int *n) {
     char number[64];
     const size_t length = strcspn(text, ",");
     snprintf(number, sizeof number, "%.*s", (int)(length < 63 ? length : 63), text);
-    status st = cli_finite(number, what, 0.0, hi, x);
+    status st = cli_finite(number, what, lo, hi, x);
     if (st == ST_OK && text[length])
         st = cli_int(text + length + 1, what, 1, most, n);
     return st;
@@ -78,7 +78,7 @@ static status take_pair(const char *text, const char *what, double hi, int most,
 
 status light_options_occlusion(const char *text, leafcast_scene *scene) {
     const status st =
-        take_pair(text, "--occlusion", LEAFCAST_PLACE_MOST, LEAFCAST_LIGHT_SAMPLES_MAX,
+        take_pair(text, "--occlusion", 0.0, LEAFCAST_PLACE_MOST, LEAFCAST_LIGHT_SAMPLES_MAX,
                   &scene->occlusion, &scene->occlusion_samples);
     if (st == ST_OK && !(scene->occlusion > 0.0))
         return status_describe(ST_USAGE, "--occlusion: a distance of %s is not above 0", text);
@@ -87,11 +87,18 @@ status light_options_occlusion(const char *text, leafcast_scene *scene) {
 
 status light_options_reflect(const char *text, leafcast_surface *surface, int *bounces) {
     double weight = 0.0;
-    int deep = 1;
-    const status st = take_pair(text, "--reflect", 1.0, LEAFCAST_BOUNCES_MAX, &weight, &deep);
-    if (st != ST_OK)
-        return st;
-    surface->reflectivity = (float)weight;
-    *bounces = deep > *bounces ? deep : *bounces;
-    return ST_OK;
+    const status st =
+        take_pair(text, "--reflect", 0.0, 1.0, LEAFCAST_BOUNCES_MAX, &weight, bounces);
+    if (st == ST_OK)
+        surface->reflectivity = (float)weight;
+    return st;
+}
+
+status light_options_refract(const char *text, leafcast_surface *surface, int *bounces) {
+    double index = 0.0;
+    const status st = take_pair(text, "--refract", 1.0 / LEAFCAST_REFRACTION_MOST,
+                                LEAFCAST_REFRACTION_MOST, LEAFCAST_BOUNCES_MAX, &index, bounces);
+    if (st == ST_OK)
+        surface->refraction = (float)index;
+    return st;
 }

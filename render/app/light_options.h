@@ -1,5 +1,5 @@
 /* light_options.h - the values of flags about light: lights, soft shadows, what hides ambient
- * light, reflections.
+ * light, reflections, refractions.
  */
 #ifndef RENDER_APP_LIGHT_OPTIONS_H
 #define RENDER_APP_LIGHT_OPTIONS_H
@@ -19,8 +19,10 @@ bool light_options_soft(const leafcast_scene *scene);
 /* light_options_occlusion() - take "DISTANCE[,SAMPLES]". */
 CHECKED status light_options_occlusion(const char *text, leafcast_scene *scene);
 
-/* light_options_reflect() - take "WEIGHT[,BOUNCES]" for a surface. *bounces becomes the most of
- * those given so far; 1 without BOUNCES. */
+/* light_options_reflect() - take "WEIGHT[,BOUNCES]" for a surface, light_options_refract() -
+ * "INDEX[,BOUNCES]". *bounces stays where they are not given. */
+enum { LIGHT_OPTIONS_BENDS = 4 }; /* bounces of refractions that ask for none */
 CHECKED status light_options_reflect(const char *text, leafcast_surface *surface, int *bounces);
+CHECKED status light_options_refract(const char *text, leafcast_surface *surface, int *bounces);
 
 #endif

@@ -66,8 +66,8 @@ void scene_file_take_first(view_options *to, const view_options *of) {
     to->colours = of->colours;
     to->opacities = of->opacities;
     to->reflects = of->reflects;
-    if (of->scene.bounces > to->scene.bounces)
-        to->scene.bounces = of->scene.bounces;
+    to->refracts = of->refracts;
+    view_options_bounce(to, of->reflect_bounces, of->refract_bounces);
     memcpy(to->field, of->field, sizeof to->field);
     memcpy(to->colour_by, of->colour_by, sizeof to->colour_by);
     to->colour_by_from = of->colour_by_from;

@@ -5,6 +5,7 @@
 
 #include "formats/base/cli_options.h"
 #include "render/app/colour.h"
+#include "render/app/light_options.h"
 #include "render/app/render_script.h"
 #include "render/app/scene_place.h"
 #include "render/app/scene_tiles.h"
@@ -12,7 +13,7 @@
 
 static const char OBJECT_KEYS[] = "file surfaces transform instances",
                   NESTED_KEYS[] = "scene transform instances",
-                  SURFACE_KEYS[] = "isovalue colour color opacity reflectivity";
+                  SURFACE_KEYS[] = "isovalue colour color opacity reflectivity refraction";
 
 enum {
     INSTANCES_MAX = 1 << 24,
@@ -61,6 +62,12 @@ static status read_surface(json_t *value, const char *what, leafcast_surface *s)
             s->reflectivity = (float)number;
             if (!json_is_number(item) || !(number >= 0.0 && number <= 1.0))
                 st = status_describe(ST_USAGE, "%s: \"reflectivity\" takes a number, 0 to 1", what);
+        } else if (strcmp(key, "refraction") == 0) {
+            s->refraction = (float)number;
+            if (!json_is_number(item) ||
+                !(number >= 1.0 / LEAFCAST_REFRACTION_MOST && number <= LEAFCAST_REFRACTION_MOST))
+                st = status_describe(ST_USAGE, "%s: \"refraction\" takes a number, %g to %g", what,
+                                     1.0 / LEAFCAST_REFRACTION_MOST, LEAFCAST_REFRACTION_MOST);
         } else if (strcmp(key, "colour") == 0 || strcmp(key, "color") == 0) {
             st = script_text(item, what, key, text);
             if (st == ST_OK)
@@ -86,8 +93,11 @@ static status read_surfaces(const scene_reading *r, int object, const json_t *va
                           scene_place_in(r, what, "objects[%d].surfaces[%zu]", object, i),
                           &v->surfaces[i]);
     v->isos = v->colours = v->opacities = v->reflects = (int)count;
-    for (size_t i = 0; i < count && v->scene.bounces == 0; i++)
-        v->scene.bounces = v->surfaces[i].reflectivity > 0.0f;
+    for (size_t i = 0; i < count; i++)
+        if (v->surfaces[i].refraction > 0.0f)
+            v->refracts = (int)i + 1;
+    for (size_t i = 0; i < count; i++)
+        view_options_bounce(v, v->surfaces[i].reflectivity > 0.0f, 0);
     return st;
 }
 

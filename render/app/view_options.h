@@ -20,13 +20,14 @@ enum { VIEW_FIELD_MAX = 64 };
 
 typedef struct view_options {
     leafcast_surface
-        surfaces[LEAFCAST_SURFACES_MAX];    /* view_options_check() fills in what was not given */
-    int isos, colours, opacities, reflects; /* how often each flag was given */
-    leafcast_scene scene; /* without experiments; view_options_scene() adds them */
+        surfaces[LEAFCAST_SURFACES_MAX]; /* view_options_check() fills in what was not given */
+    int isos, colours, opacities, reflects, refracts; /* how often each flag was given */
+    int reflect_bounces, refract_bounces; /* the most that each flag asks for; 0: none does */
+    leafcast_scene scene;                 /* without experiments; view_options_scene() adds them */
     leafcast_scene_experiments experiments;
     leafcast_camera camera; /* width and height; other fields if flags gave them, see below */
     bool eye, look_at, up, fov;
-    uint64_t given;              /* one bit for each flag given, numbered in view_options.c */
+    uint64_t given;              /* one bit for each flag given, view_options_bit() */
     int normals;                 /* --normals, as numbered in view_options.c */
     bool fit;                    /* --view fit; else `distance` counts */
     double distance;             /* of --view, in longest edges of the volume */
@@ -77,6 +78,10 @@ bool view_options_of_one(int key);
 
 /* view_options_clear() - reset a flag as if it had not been given. */
 void view_options_clear(view_options *v, int key);
+
+/* view_options_bounce() - let reflections ask for at least so many bounces, and refractions, which
+ * have LIGHT_OPTIONS_BENDS if none of them asks for any. */
+void view_options_bounce(view_options *v, int reflect, int refract);
 
 /* view_options_inherit() - let a line of a script or an entry of a path start from the flags given
  * so far. Its eye may then replace an earlier --view, which would otherwise contradict. */

@@ -87,6 +87,8 @@ static const public_field surface_rows[] = {
     PUBLIC_NUMBER(leafcast_surface, rgb, 0, LEAFCAST_COLOUR_MOST, 0),
     PUBLIC_NUMBER(leafcast_surface, opacity, 0, 1, PUBLIC_ABOVE),
     PUBLIC_NUMBER(leafcast_surface, reflectivity, 0, 1, 0),
+    PUBLIC_NUMBER(leafcast_surface, refraction, 1 / LEAFCAST_REFRACTION_MOST,
+                  LEAFCAST_REFRACTION_MOST, PUBLIC_OR_ZERO),
 };
 static const public_fields surface_table = PUBLIC_TABLE(leafcast_surface, surface_rows);
 

@@ -311,7 +311,7 @@ static void fill_stats(const leafcast_frame *fr, leafcast_stats *stats) {
     *stats = (leafcast_stats){.size = sizeof *stats,
                               .render_s = fr->render_s,
                               .rays = c->primary_rays + c->shadow_rays + c->occlusion_rays +
-                                      c->mirrored_rays};
+                                      c->mirrored_rays + c->refracted_rays};
 #define COUNTER(name) stats->name = c->name;
     RAY_COUNTERS(COUNTER)
     PACKET_COUNTERS(COUNTER)

@@ -332,7 +332,7 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
 /* ---- Selecting ---- */
 
 leafcast_surface leafcast_surface_default(double isovalue) {
-    return (leafcast_surface){isovalue, {0.9f, 0.85f, 0.75f}, 1.0f, 0.0f};
+    return (leafcast_surface){isovalue, {0.9f, 0.85f, 0.75f}, 1.0f, 0.0f, 0.0f};
 }
 
 leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, int count) {

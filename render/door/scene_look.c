@@ -7,8 +7,25 @@
 #include "render/door/between_steps.h"
 #include "render/door/coarse_preview.h"
 #include "render/ray/kind.h"
+#include "render/surface/refraction.h"
 #include "render/surface/surface_integrator.h"
 #include "render/surface/surface_ray.h"
+
+static bool mirrors(const leafcast_surface *s) {
+    return s->reflectivity > 0.0F;
+}
+
+static bool is_clear(const leafcast_surface *s) {
+    return s->opacity < 1.0F;
+}
+
+static bool any_surface(const turn *t, bool (*is)(const leafcast_surface *s)) {
+    for (int v = 0; v < t->volumes; v++)
+        for (int i = 0; i < t->shown[v].count; i++)
+            if (is(&t->surfaces[v][i]))
+                return true;
+    return false;
+}
 
 /* Returns an upper bound of a lit surface's colour channels. */
 static double brightest_surface(const scene_look *l) {
@@ -119,6 +136,9 @@ static status fill(scene_look *l) {
     turn *t = l->turn;
     const leafcast_scene *scene = &t->scene;
     status st = ST_OK;
+    if (scene->bounces > 0 && any_surface(t, refraction_bends))
+        return status_describe(ST_USAGE, "leafcast_surface.refraction: not with media, which bent "
+                                         "rays would not see");
     t->f.integrator = &medium_integrator;
     l->look.media = l->media;
     l->look.range = (const double(*)[2])l->ranges;
@@ -185,13 +205,9 @@ static status project_scene(scene_look *l) {
     return st;
 }
 
-/* Returns how many mirrored rays may follow each other. */
+/* Returns how many mirrored and refracted rays may follow each other. */
 static int bounces_of(const turn *t) {
-    for (int v = 0; v < t->volumes; v++)
-        for (int i = 0; i < t->shown[v].count; i++)
-            if (t->surfaces[v][i].reflectivity > 0.0F)
-                return t->scene.bounces;
-    return 0;
+    return any_surface(t, mirrors) || any_surface(t, refraction_bends) ? t->scene.bounces : 0;
 }
 
 static bool is_soft(const turn *t) {
@@ -215,17 +231,9 @@ static status make_room(scene_look *l) {
     return l->media && l->colours && l->lookups && l->ranges && l->steepness ? ST_OK : ST_NOMEM;
 }
 
-static bool any_clear(const turn *t) {
-    for (int i = 0; i < t->volumes; i++)
-        for (int k = 0; k < t->shown[i].count; k++)
-            if (t->surfaces[i][k].opacity < 1.0F)
-                return true;
-    return false;
-}
-
 status scene_look_choose(scene_look *l, turn *t) {
     const leafcast_scene *scene = &t->scene;
-    const bool clear = any_clear(t);
+    const bool clear = any_surface(t, is_clear);
     l->turn = t;
     status st = make_room(l);
     if (st != ST_OK)

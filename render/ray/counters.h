@@ -14,6 +14,7 @@
     X(shadow_rays)        /* towards lights */                                     \
     X(occlusion_rays)     /* towards what hides ambient light */                   \
     X(mirrored_rays)      /* from surfaces that reflect */                         \
+    X(refracted_rays)     /* through surfaces that bend them */                    \
     X(nodes)              /* traversal steps, of the directory and in treelets */  \
     X(cells)              /* cells given to the intersector */                     \
     X(roots)              /* hits that it found */                                 \

@@ -71,6 +71,12 @@ void shade_composite(float rgba[4], const float rgb[3], float opacity) {
     rgba[3] += weight;
 }
 
+void shade_behind(float rgba[4], const float behind[4]) {
+    const float weight = 1.0f - rgba[3];
+    for (int i = 0; i < 4; i++)
+        rgba[i] += weight * behind[i];
+}
+
 void shade_background(float rgba[4], const float background[4]) {
     shade_composite(rgba, background, background[3]);
 }

@@ -56,6 +56,9 @@ void shade_light(const shade_point *p, const float towards_light[3], const float
 /* shade_composite() - composite a colour behind the colour that rgba holds (premultiplied). */
 void shade_composite(float rgba[4], const float rgb[3], float opacity);
 
+/* shade_behind() - composite what is premultiplied itself. */
+void shade_behind(float rgba[4], const float behind[4]);
+
 /* shade_background() - the same for the background, whose alpha is its opacity. */
 void shade_background(float rgba[4], const float background[4]);
 

@@ -65,13 +65,6 @@ static void surface_begin(const frame *f, uint32_t pixel, ray_record *r) {
     memset(p->rgba, 0, sizeof p->rgba);
 }
 
-/* Composite the current surface. Returns false if nothing behind it counts. */
-static bool composite(const frame *f, surface_pixel *p) {
-    const float opacity = surface_ray_opacity(f, &p->way);
-    shade_composite(p->rgba, p->way.rgb, opacity);
-    return surface_ray_pass(f, &p->way) && surface_shows_through(p->rgba[3], opacity);
-}
-
 static bool surface_ask(const frame *f, ray_record *record, ray_question *q,
                         ray_counters *counters) {
     surface_pixel *p = surface_pixel_of(record);
@@ -84,7 +77,7 @@ static bool surface_ask(const frame *f, ray_record *record, ray_question *q,
         }
         if (surface_ray_light(f, &p->way, q, counters))
             return true;
-    } while (composite(f, p));
+    } while (surface_ray_composite(f, &p->way, p->rgba));
     shade_background(p->rgba, surface_look_of(f)->scene->background);
     surface_ray_write(f, &p->way, p->rgba, counters);
     return false;

@@ -20,7 +20,8 @@ typedef struct surface_look {
         *lookups; /* whose value that is, if not the surface's; NULL: none has any */
     /* More is asked than one ray to each light; kernels of tiles cannot. */
     bool soft;
-    int bounces; /* mirrored rays, one after the other; 0: no surface reflects. Above 0: soft */
+    int bounces; /* mirrored and refracted rays, one after the other; 0: no surface reflects or
+                    bends. Above 0: soft */
     bool opaque; /* all surfaces are; false: unknown */
     bool clear;  /* some surface is not opaque; false: unknown */
 } surface_look;

@@ -5,37 +5,50 @@
 
 #include "render/ray/kind.h"
 #include "render/surface/light_samples.h"
+#include "render/surface/refraction.h"
 #include "render/surface/shade.h"
 #include "render/surface/surface_light.h"
 
-/* A surface whose mirrored ray is under way, and that ray. */
-typedef struct surface_mirror {
+/* A ray that begins on a surface. */
+typedef struct surface_way {
+    double to[3], leaves; /* roots up to this t are the surface itself */
+    float weight;         /* in the pixel; 0: there is no such ray */
+    float share;          /* in what is seen behind the surface */
+} surface_way;
+
+enum { MIRRORED, REFRACTED, WAYS };
+
+/* A surface whose rays are under way, one after the other, and those rays. */
+typedef struct surface_bounce {
     hit behind, found; /* of the search that has met the surface */
     surface_point point;
     uint32_t behind_object, found_object;
     uint16_t found_volume;
+    bool bends;                 /* what lies behind it is seen by these rays alone */
+    uint8_t now;                /* the ray that is followed */
     int32_t layers;             /* on the ray that has met it, */
     float through;              /* and what these leave of the rest */
-    float own[3], reflectivity; /* its colour but for the mirrored ray, whose share is the second */
-    float weight;               /* of the mirrored ray in the pixel */
-    float rgba[4];              /* composited on the mirrored ray so far, premultiplied */
-    double origin[3], direction[3]; /* of the mirrored ray, */
-    double leaves;                  /* on which roots up to this t are the surface itself */
-} surface_mirror;
+    float own[3], reflectivity; /* its colour, and the share of the mirrored ray in it */
+    float seen[4];              /* behind it, by rays that have ended, premultiplied; */
+    float rgba[4];              /* composited on the current one so far, likewise */
+    double origin[3];
+    surface_way way[WAYS];
+} surface_bounce;
 
-/* At the end of the records of soft looks; mirrored rays follow it. */
+/* At the end of the records of soft looks; bounces follow it. */
 typedef struct surface_more {
     float through; /* what surfaces passed on the current ray leave of what is behind */
     float sum;     /* of the visibilities by the leg's rays that have answered, */
     int32_t taken; /* so many, */
-    int32_t spare;
-    surface_mirror mirror[];
+    int32_t bent;  /* the current surface has its colour, and what lies behind it, */
+    float seen[4]; /* premultiplied, is this */
+    surface_bounce bounce[];
 } surface_more;
 
 size_t surface_ray_more(const surface_look *look) {
-    _Static_assert(sizeof(surface_more) % 8 == 0 && sizeof(surface_mirror) % 8 == 0,
+    _Static_assert(sizeof(surface_more) % 8 == 0 && sizeof(surface_bounce) % 8 == 0,
                    "records are made of doubles");
-    return look->soft ? sizeof(surface_more) + (size_t)look->bounces * sizeof(surface_mirror) : 0;
+    return look->soft ? sizeof(surface_more) + (size_t)look->bounces * sizeof(surface_bounce) : 0;
 }
 
 /* Only of soft looks. */
@@ -44,9 +57,9 @@ static surface_more *more_of(const frame *f, const surface_ray *p) {
     return (surface_more *)(void *)(end - surface_ray_more(surface_look_of(f)));
 }
 
-/* The mirrored ray that is followed now. */
-static surface_mirror *mirror_of(const frame *f, const surface_ray *p) {
-    return &more_of(f, p)->mirror[p->depth - 1];
+/* The surface on which the current ray begins. */
+static surface_bounce *bounce_of(const frame *f, const surface_ray *p) {
+    return &more_of(f, p)->bounce[p->depth - 1];
 }
 
 void surface_ray_begin(const frame *f, uint32_t pixel, surface_ray *p) {
@@ -54,8 +67,10 @@ void surface_ray_begin(const frame *f, uint32_t pixel, surface_ray *p) {
     p->layers = 0;
     p->provisional = p->shadow = false;
     p->sample = p->depth = 0;
-    if (surface_look_of(f)->soft)
+    if (surface_look_of(f)->soft) {
         more_of(f, p)->through = 1.0f;
+        more_of(f, p)->bent = false;
+    }
     surface_search_begin(&p->search, false);
 }
 
@@ -69,11 +84,12 @@ world_ray surface_ray_primary(const frame *f, uint32_t pixel) {
 static world_ray current_ray(const frame *f, const surface_ray *p) {
     if (p->depth == 0)
         return surface_ray_primary(f, p->head.pixel);
-    const surface_mirror *m = mirror_of(f, p);
+    const surface_bounce *b = bounce_of(f, p);
+    const surface_way *way = &b->way[b->now];
     world_ray w = {
-        .t1 = INFINITY, .from = &m->found, .behind = m->leaves, .from_object = m->found_object};
-    memcpy(w.origin, m->origin, sizeof w.origin);
-    memcpy(w.direction, m->direction, sizeof w.direction);
+        .t1 = INFINITY, .from = &b->found, .behind = way->leaves, .from_object = b->found_object};
+    memcpy(w.origin, b->origin, sizeof w.origin);
+    memcpy(w.direction, way->to, sizeof w.direction);
     return w;
 }
 
@@ -249,8 +265,8 @@ static void add_light(surface_ray *p, const shade_point *shading, const light_so
         p->rgb[c] += share * ambient[c];
 }
 
-/* The leg of mirrored rays, behind all lights and ambient light. */
-static uint16_t mirrored_leg(const leafcast_scene *scene) {
+/* The leg of mirrored and refracted rays, behind all lights and ambient light. */
+static uint16_t bounce_leg(const leafcast_scene *scene) {
     return (uint16_t)(scene->light_count + 2);
 }
 
@@ -326,32 +342,86 @@ static bool ask_lights(const frame *f, surface_ray *p, ray_question *q, ray_coun
     return false;
 }
 
-/* ---- Mirrored rays ---- */
+/* ---- Mirrored and refracted rays ---- */
 
-/* Set `to` to the direction of the ray that a surface mirrors. */
-static void mirror(const double direction[3], const float normal[3], double to[3]) {
-    double along = 0.0, square = 0.0, length = 0.0;
-    for (int a = 0; a < 3; a++) {
-        along += direction[a] * (double)normal[a];
-        square += (double)normal[a] * (double)normal[a];
-    }
-    for (int a = 0; a < 3; a++) {
-        to[a] = direction[a] - 2.0 * along / square * (double)normal[a];
-        length += to[a] * to[a];
-    }
-    for (int a = 0; a < 3; a++)
-        to[a] /= sqrt(length);
+/* Whether a ray of this weight in the pixel is worth following. */
+static bool counts(float weight) {
+    return weight > 1.0f - surface_opaque_enough;
 }
 
-/* Begin the current surface's mirrored ray. Returns false if there is none that counts. */
-static bool begin_mirrored(const frame *f, surface_ray *p, ray_counters *counters) {
-    const surface_look *look = surface_look_of(f);
-    if (p->depth >= look->bounces)
-        return false;
+/* Find what becomes of a ray at a surface that bends it. The shading normal says so, or the cell's
+ * own where that would lead to the wrong side. Returns false where both do. */
+static bool bend(const lit_surface *s, const float normal[3], double index, refraction *out) {
+    const double ratio = s->found->entering ? 1.0 / index : index;
+    float own[3];
+    *out = refraction_of(s->direction, normal, ratio);
+    for (int of_cell = 0; of_cell < 2; of_cell++) {
+        if (lit_faces(s, out->mirrored) && (out->share == 1.0 || !lit_faces(s, out->refracted)))
+            return true;
+        if (of_cell || !shade_normal(s->point->gradient, own))
+            return false;
+        *out = refraction_of(s->direction, own, ratio);
+    }
+    return false;
+}
+
+static void add_way(const lit_surface *s, surface_bounce *b, int of, const double to[3],
+                    float weight, float share, ray_counters *counters) {
+    surface_way *way = &b->way[of];
+    memcpy(way->to, to, sizeof way->to);
+    way->leaves = lit_behind(s, to);
+    way->weight = weight;
+    way->share = share;
+    counters->ill_conditioned += lit_ill_conditioned(s, to);
+    counters->mirrored_rays += of == MIRRORED;
+    counters->refracted_rays += of == REFRACTED;
+}
+
+/* Choose the rays that begin on a surface, of which `before` is seen. A ray that does not count
+ * leaves its share to the other. */
+static void choose_ways(const frame *f, const surface_ray *p, const lit_surface *s, float before,
+                        surface_bounce *b, ray_counters *counters) {
     const leafcast_surface *of = current_look(f, p);
-    const float before = (p->depth > 0 ? mirror_of(f, p)->weight : 1.0f) * more_of(f, p)->through;
+    const float weight = before * of->opacity * of->reflectivity;
+    const float clear = before * (1.0f - of->opacity);
+    const shade_point shading = lit_shading(f, s);
+    refraction way;
+    float share = 0.0f;
+    b->bends = refraction_bends(of) && counts(clear) &&
+               p->layers + 1 != surface_look_of(f)->scene->layers_max &&
+               bend(s, shading.normal, (double)of->refraction, &way);
+    if (!b->bends)
+        refraction_mirror(s->direction, shading.normal, way.mirrored);
+    else if (!counts(clear * (float)(1.0 - way.share)))
+        share = 1.0f;
+    else if (counts(weight + clear * (float)way.share))
+        share = (float)way.share;
+    if (counts(weight + clear * share) && lit_faces(s, way.mirrored)) {
+        b->reflectivity = of->reflectivity;
+        add_way(s, b, MIRRORED, way.mirrored, weight + clear * share, share, counters);
+    }
+    if (b->bends && share < 1.0f)
+        add_way(s, b, REFRACTED, way.refracted, clear * (1.0f - share), 1.0f - share, counters);
+}
+
+/* Follow the ray `now` of the surface, from its start. */
+static void begin_way(const frame *f, surface_ray *p, uint8_t now) {
+    surface_bounce *b = bounce_of(f, p);
+    b->now = now;
+    memset(b->rgba, 0, sizeof b->rgba);
+    p->layers = now == REFRACTED ? b->layers + 1 : 0;
+    more_of(f, p)->through = 1.0f;
+    surface_search_begin(&p->search, false);
+    p->head.leg = bounce_leg(surface_look_of(f)->scene);
+}
+
+/* Begin the rays of the current surface. Returns false if there is none that counts. */
+static bool begin_bounce(const frame *f, surface_ray *p, ray_counters *counters) {
+    if (p->depth >= surface_look_of(f)->bounces)
+        return false;
+    const float weight = p->depth > 0 ? bounce_of(f, p)->way[bounce_of(f, p)->now].weight : 1.0f;
     const lit_surface s = current(f, p);
-    surface_mirror m = {.behind = p->search.behind,
+    surface_bounce b = {.behind = p->search.behind,
                         .found = p->search.found,
                         .point = p->search.point,
                         .behind_object = p->search.behind_object,
@@ -359,64 +429,88 @@ static bool begin_mirrored(const frame *f, surface_ray *p, ray_counters *counter
                         .found_volume = p->search.found_volume,
                         .layers = p->layers,
                         .through = more_of(f, p)->through,
-                        .own = {p->rgb[0], p->rgb[1], p->rgb[2]},
-                        .reflectivity = of->reflectivity,
-                        .weight = before * of->opacity * of->reflectivity};
-    mirror(s.direction, lit_shading(f, &s).normal, m.direction);
-    if (!(m.weight > 1.0f - surface_opaque_enough) || !lit_faces(&s, m.direction))
+                        .own = {p->rgb[0], p->rgb[1], p->rgb[2]}};
+    memcpy(b.origin, s.at, sizeof b.origin);
+    choose_ways(f, p, &s, weight * b.through, &b, counters);
+    const bool mirrors = b.way[MIRRORED].weight > 0.0f;
+    if (!mirrors && !b.bends)
         return false;
-    memcpy(m.origin, s.at, sizeof m.origin);
-    m.leaves = lit_behind(&s, m.direction);
-    counters->ill_conditioned += lit_ill_conditioned(&s, m.direction);
-    counters->mirrored_rays++;
     p->depth++;
-    *mirror_of(f, p) = m;
-    p->layers = 0;
-    more_of(f, p)->through = 1.0f;
-    surface_search_begin(&p->search, false);
-    p->head.leg = mirrored_leg(look->scene);
+    *bounce_of(f, p) = b;
+    begin_way(f, p, mirrors ? MIRRORED : REFRACTED);
     return true;
 }
 
-/* Put the background behind all of a mirrored ray, and go back to the surface that mirrors it,
- * which has its colour then. */
-static void end_mirrored(const frame *f, surface_ray *p) {
-    surface_mirror *m = mirror_of(f, p);
-    shade_background(m->rgba, surface_look_of(f)->scene->background);
+/* Take what the current ray has seen. A mirror has the background behind all of that. What is seen
+ * through a surface has it at the end, behind all that the surface is seen with. */
+static void take_seen(const frame *f, surface_bounce *b) {
+    const float share = b->way[b->now].share;
+    for (int i = 0; i < 4; i++)
+        b->seen[i] += share * b->rgba[i];
+    if (b->now == REFRACTED)
+        return;
+    shade_background(b->rgba, surface_look_of(f)->scene->background);
     for (int c = 0; c < 3; c++)
-        p->rgb[c] = (1.0f - m->reflectivity) * m->own[c] + m->reflectivity * m->rgba[c];
-    surface_search_begin(&p->search, false);
-    p->search.behind = m->behind;
-    p->search.found = m->found;
-    p->search.point = m->point;
-    p->search.behind_object = m->behind_object;
-    p->search.found_object = m->found_object;
-    p->search.found_volume = m->found_volume;
-    p->layers = m->layers;
-    more_of(f, p)->through = m->through;
-    p->depth--;
+        b->own[c] = (1.0f - b->reflectivity) * b->own[c] + b->reflectivity * b->rgba[c];
 }
 
-/* The current surface has its colour: composite it on its mirrored ray. Where nothing behind it
- * counts, that ray ends, and the surface that mirrors it has its colour, and so on. Returns false
- * once that is a surface on the ray from the eye. */
+/* End the current ray. Returns true if the refracted one is followed then; else the surface on
+ * which they begin is the current one, and has its colour. */
+static bool end_way(const frame *f, surface_ray *p) {
+    surface_more *more = more_of(f, p);
+    surface_bounce *b = bounce_of(f, p);
+    take_seen(f, b);
+    if (b->now == MIRRORED && b->way[REFRACTED].weight > 0.0f) {
+        begin_way(f, p, REFRACTED);
+        return true;
+    }
+    surface_search_begin(&p->search, false);
+    p->search.behind = b->behind;
+    p->search.found = b->found;
+    p->search.point = b->point;
+    p->search.behind_object = b->behind_object;
+    p->search.found_object = b->found_object;
+    p->search.found_volume = b->found_volume;
+    p->layers = b->layers;
+    memcpy(p->rgb, b->own, sizeof p->rgb);
+    more->through = b->through;
+    more->bent = b->bends;
+    memcpy(more->seen, b->seen, sizeof more->seen);
+    p->depth--;
+    return false;
+}
+
+bool surface_ray_composite(const frame *f, surface_ray *p, float rgba[4]) {
+    const float opacity = surface_ray_opacity(f, p);
+    surface_more *more = surface_look_of(f)->soft ? more_of(f, p) : NULL;
+    shade_composite(rgba, p->rgb, opacity);
+    if (!more || !more->bent)
+        return surface_ray_pass(f, p) && surface_shows_through(rgba[3], opacity);
+    shade_behind(rgba, more->seen);
+    more->bent = false;
+    return false;
+}
+
+/* The current surface has its colour: composite it on its ray. Where nothing behind it counts, that
+ * ray ends, and the surface on which it begins has its colour, and so on. Returns false once that
+ * is a surface on the ray from the eye. */
 static bool go_on_behind(const frame *f, surface_ray *p) {
-    for (; p->depth > 0; end_mirrored(f, p)) {
-        surface_mirror *m = mirror_of(f, p);
-        const float opacity = surface_ray_opacity(f, p);
-        shade_composite(m->rgba, p->rgb, opacity);
-        if (surface_ray_pass(f, p) && surface_shows_through(m->rgba[3], opacity)) {
-            p->head.leg = mirrored_leg(surface_look_of(f)->scene);
+    while (p->depth > 0) {
+        if (surface_ray_composite(f, p, bounce_of(f, p)->rgba)) {
+            p->head.leg = bounce_leg(surface_look_of(f)->scene);
             return true;
         }
+        if (end_way(f, p))
+            return true;
     }
     return false;
 }
 
-/* Find the next surface on a mirrored ray, and begin its lighting. Returns true if *q asks for
- * something first; *more becomes false when the surface on the ray from the eye has its colour. */
-static bool ask_mirrored(const frame *f, surface_ray *p, ray_question *q, bool *more) {
-    while (*more && p->head.leg == mirrored_leg(surface_look_of(f)->scene)) {
+/* Find the next surface on a ray that begins on one, and begin its lighting. Returns true if *q
+ * asks for something first; *more becomes false when the surface on the ray from the eye has its
+ * colour. */
+static bool ask_bounce(const frame *f, surface_ray *p, ray_question *q, bool *more) {
+    while (*more && p->head.leg == bounce_leg(surface_look_of(f)->scene)) {
         const world_ray w = current_ray(f, p);
         if (surface_search_ask(f, &w, NULL, &p->head.volume, &p->search, q))
             return true;
@@ -425,20 +519,19 @@ static bool ask_mirrored(const frame *f, surface_ray *p, ray_question *q, bool *
             begin_surface(f, p);
             return false;
         }
-        end_mirrored(f, p);
-        *more = go_on_behind(f, p);
+        *more = end_way(f, p) || go_on_behind(f, p);
     }
     return false;
 }
 
-/* Light the surface, then follow the ray that it mirrors: light what that meets, and so on. */
+/* Light the surface, then follow the rays that begin on it: light what they meet, and so on. */
 bool surface_ray_light(const frame *f, surface_ray *p, ray_question *q, ray_counters *counters) {
     for (bool more = true; more;) {
-        if (p->depth > 0 && ask_mirrored(f, p, q, &more))
+        if (p->depth > 0 && ask_bounce(f, p, q, &more))
             return true;
         if (more && ask_lights(f, p, q, counters))
             return true;
-        more = more && (begin_mirrored(f, p, counters) || go_on_behind(f, p));
+        more = more && (begin_bounce(f, p, counters) || go_on_behind(f, p));
     }
     p->head.leg = SURFACE_PRIMARY;
     return false;
@@ -501,7 +594,7 @@ void surface_ray_write(const frame *f, const surface_ray *p, const float rgba[4]
 void surface_ray_answer(const frame *f, surface_ray *p, trace_result result) {
     if (p->head.leg == SURFACE_PRIMARY)
         surface_search_answer(f, f->stand_ins, p->head.volume, &p->search, result);
-    else if (p->head.leg == mirrored_leg(surface_look_of(f)->scene))
+    else if (p->head.leg == bounce_leg(surface_look_of(f)->scene))
         surface_search_answer(f, NULL, p->head.volume, &p->search, result);
     else
         answer_shadow(f, p, result);

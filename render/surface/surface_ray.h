@@ -1,8 +1,9 @@
 /* surface_ray.h - a ray's way from surface to surface, as a small state machine: find the next
  * surface of any volume; for each light, and for ambient light, how much of it is seen; then what
- * the surface mirrors, whose surfaces are lit likewise. The ray is computed anew from the pixel and
- * the current hit whenever the state resumes. It is part of the records of integrators that draw
- * surfaces; what soft looks need more lies at the records' end.
+ * the surface mirrors, and what is seen through it if it bends rays, whose surfaces are lit
+ * likewise. The ray is computed anew from the pixel and the current hit whenever the state resumes.
+ * It is part of the records of integrators that draw surfaces; what soft looks need more lies at
+ * the records' end.
  */
 #ifndef RENDER_SURFACE_SURFACE_RAY_H
 #define RENDER_SURFACE_SURFACE_RAY_H
@@ -11,7 +12,7 @@
 #include "render/surface/surface_search.h"
 
 /* Legs of a ray's way: from the eye, then towards each light, about the surface for ambient light,
- * the mirrored ray, and the value that colours the surface. */
+ * rays that begin on it, and the value that colours the surface. */
 enum { SURFACE_PRIMARY = 0 };
 
 typedef struct surface_ray {
@@ -20,7 +21,7 @@ typedef struct surface_ray {
     bool provisional;      /* something on the way was coarser than asked, or absent */
     bool shadow;           /* a ray towards the leg's light is under way, */
     uint8_t sample;        /* the one with this number */
-    uint8_t depth;         /* mirrored rays under way: the surface is the last one's */
+    uint8_t depth;         /* rays from surfaces under way: the surface is the last one's */
     float visibility;      /* of that light, by that ray */
     float rgb[3];          /* shading of the current surface so far */
     surface_search search; /* for the current surface, and for what hides it from a light. While
@@ -48,6 +49,11 @@ bool surface_ray_meet(const frame *f, surface_ray *p, ray_counters *counters);
 /* surface_ray_light() - set *q to the next question of the lighting. Returns false when p->rgb is
  * the lit colour of the surface. */
 bool surface_ray_light(const frame *f, surface_ray *p, ray_question *q, ray_counters *counters);
+
+/* surface_ray_composite() - composite the current surface behind the colour that rgba holds, and
+ * what is seen through it if it bends rays; then go on behind it. Returns false if nothing more
+ * behind it counts, or the scene's limit of surfaces is reached. */
+bool surface_ray_composite(const frame *f, surface_ray *p, float rgba[4]);
 
 /* surface_ray_opacity() - returns the opacity of the current surface. */
 float surface_ray_opacity(const frame *f, const surface_ray *p);

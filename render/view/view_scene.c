@@ -7,6 +7,7 @@
 #include "formats/base/cli_json.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
+#include "render/app/light_options.h"
 #include "render/app/scene_file.h"
 #include "render/app/view_camera.h"
 #include "render/ray/placement.h"
@@ -212,8 +213,8 @@ static void put(json_t *out, const char *key, json_t *value) {
 
 static void put_surfaces(json_t *out, const view_options *v) {
     json_t *isos = json_array(), *colours = json_array(), *opacities = json_array(),
-           *reflects = json_array();
-    bool clear = false, mirrors = false;
+           *reflects = json_array(), *refracts = json_array();
+    bool clear = false, mirrors = false, bends = false;
     for (int i = 0; i < v->isos; i++) {
         const leafcast_surface *s = &v->surfaces[i];
         const double rgb[3] = {s->rgb[0], s->rgb[1], s->rgb[2]};
@@ -222,10 +223,15 @@ static void put_surfaces(json_t *out, const view_options *v) {
         json_array_append_new(colours, cli_json_reals(rgb, 3));
         json_array_append_new(opacities, cli_json_real(s->opacity));
         snprintf(text, sizeof text, "%s,%d", num_print(s->reflectivity, weight),
-                 v->scene.bounces > 0 ? v->scene.bounces : 1);
+                 v->reflect_bounces > 0 ? v->reflect_bounces : 1);
         json_array_append_new(reflects, json_string(text));
+        snprintf(text, sizeof text, "%s,%d",
+                 num_print(s->refraction > 0.0f ? s->refraction : 1.0, weight),
+                 v->refract_bounces > 0 ? v->refract_bounces : LIGHT_OPTIONS_BENDS);
+        json_array_append_new(refracts, json_string(text));
         clear |= s->opacity < 1.0f;
         mirrors |= s->reflectivity > 0.0f;
+        bends |= s->refraction > 0.0f;
     }
     if (v->isos > 0 && !v->is_surface)
         json_object_set(out, "iso", isos);
@@ -235,10 +241,13 @@ static void put_surfaces(json_t *out, const view_options *v) {
         json_object_set(out, "opacity", opacities);
     if (mirrors)
         json_object_set(out, "reflect", reflects);
+    if (bends)
+        json_object_set(out, "refract", refracts);
     json_decref(isos);
     json_decref(colours);
     json_decref(opacities);
     json_decref(reflects);
+    json_decref(refracts);
 }
 
 /* Append a medium's opacities "V:A,V:A,..." to those of surfaces. */

@@ -181,6 +181,7 @@ render|--shadows|picture|@grid --light 1,0,0|--shadows
 render|--light-samples|picture|@grid --light 1,0,0,9 --shadows|--light-samples 3
 render|--occlusion|picture|@grid|--occlusion 9
 render|--reflect|picture|@grid|--reflect 0.4
+render|--refract|picture|@grid --opacity 0.5|--refract 1.5
 render|--ambient|picture|@grid|--ambient 0.7
 render|--specular|picture|@grid --shading phong|--specular 0.9
 render|--shininess|picture|@grid --shading phong|--shininess 3
@@ -263,6 +264,7 @@ bench|--point-light|refused --point-light: bench frames|frames @grid --size 8x8 
 bench|--light-samples|refused --light-samples|walk @grid --size 16x16 --runs 1|--light-samples 3
 bench|--occlusion|refused --occlusion: bench walk|walk @grid --size 16x16 --runs 1|--occlusion 9
 bench|--reflect|refused --reflect: bench walk|walk @grid --size 16x16 --runs 1|--reflect 0.4
+bench|--refract|refused --refract: bench walk|walk @grid --size 16x16 --runs 1|--refract 1.5
 bench|--shadows|counts|walk @grid --size 16x16 --runs 1 --light 1,0,0|--shadows
 bench|--field|refused first field|walk @grid --size 16x16 --runs 1|--field 0
 bench|--step|refused first field|walk @grid --size 16x16 --runs 1|--step 1
@@ -320,6 +322,7 @@ bench peers|--point-light|shown peers|
 bench peers|--light-samples|refused --light-samples|@grid --size 8x8 --runs 1|--light-samples 3
 bench peers|--occlusion|refused --occlusion: bench peers would not change|@grid --size 8x8 --runs 1|--occlusion 9
 bench peers|--reflect|refused --reflect: bench peers would not change|@grid --size 8x8 --runs 1|--reflect 0.4
+bench peers|--refract|refused --refract: bench peers would not change|@grid --size 8x8 --runs 1|--refract 1.5
 bench peers|--shadows|counts|@grid --size 8x8 --runs 1 --light 1,0,0|--shadows
 bench peers|--field|refused first field|@grid --size 8x8 --runs 1|--field 0
 bench peers|--clip-box|refused all of the surface|@grid --size 8x8 --runs 1|--clip-box 0,0,0,20,36,44
@@ -370,6 +373,7 @@ probe|--point-light|taken|@grid --size 16x16 --at 8,8|--point-light 90,0,0
 probe|--light-samples|taken|@grid --size 16x16 --at 8,8|--shadows --light 1,0,0,9 --light-samples 3
 probe|--occlusion|taken|@grid --size 16x16 --at 8,8|--occlusion 9
 probe|--reflect|taken|@grid --size 16x16 --at 8,8|--reflect 0.4
+probe|--refract|taken|@grid --size 16x16 --at 8,8 --opacity 0.5|--refract 1.5
 probe|--shadows|taken|@grid --size 16x16 --at 8,8|--shadows --light 1,0,0
 probe|--shading|taken|@grid --size 16x16 --at 8,8|--shading flat
 probe|--specular|taken|@grid --size 16x16 --at 8,8|--shading phong --specular 0.4

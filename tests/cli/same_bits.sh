@@ -49,6 +49,7 @@ for volume in grid mesh; do tail -c +4097 "$tmp/$volume.leaf" >"$tmp/$volume.tre
     draw grid_lit grid --iso 2621 --opacity 0.5 --iso 26214 $lit --normals analytic
     draw grid_coarse grid --iso 2621 --lod 1 --samples 4
     draw floats floats --iso 0 --clip-plane 1,1,0.5,-50 $lit
+    draw glass floats --iso 0.1 --opacity 0.3 --refract 1.5,4 --reflect 0.2 $lit
     draw mesh mesh --iso 0.2,0.6 --opacity 0.4 --opacity 1 $lit --normals smooth
     draw mesh_clip mesh --iso 0.3 --clip-box 2,2,2,15,15,9 --view close
 }
@@ -79,6 +80,7 @@ done <<SUMS
 2534734241 49152 grid_coarse.f64
 2297813628 18445 floats.ppm
 1048684711 49152 floats.f64
+1259244237 18445 glass.ppm
 792442467 18445 mesh.ppm
 485155644 49152 mesh.f64
 349372635 18445 mesh_clip.ppm

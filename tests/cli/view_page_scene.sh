@@ -30,6 +30,10 @@ cat >"$tmp/more.json" <<'J'
  "camera": {"look_at": [30, 16, 30], "eye": [150, -90, 90]}, "clip_box": [0, 0, 0, 60, 28, 60], "caps": "viridis", "shading": "phong",
  "background": "0.9,0.9,1", "legend": true}
 J
+cat >"$tmp/glass.json" <<'J'
+{"objects": [{"file": "grid.leaf", "iso": [0.2, 0.6], "opacity": [0.5, 1], "refract": ["1.5,3", 1]},
+             {"file": "tri.leaf", "transform": {"translate": [0, 0, 40]}}]}
+J
 "$leafcast" generate buckyball --tets --dims 11 --steps 2 --deform 0.4 -o "$tmp/m.mesh" -q
 "$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/m.leaf" -q
 cat >"$tmp/steps.json" <<'J'

@@ -103,6 +103,8 @@ void api_draw_surfaces(field_random *r, const leafcast *v,
             surfaces[i].opacity = (float)field_random_in(r, 0.01, 1.0);
         if (api_chance(r, 6))
             surfaces[i].reflectivity = (float)field_random_unit(r);
+        if (api_chance(r, 8))
+            surfaces[i].refraction = (float)field_random_in(r, 0.25, 4.0);
         spoil(r, 60, "leafcast_surface", &surfaces[i]);
     }
 }

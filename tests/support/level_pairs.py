@@ -46,6 +46,7 @@ FLAGS = {
     "a sun": {"light": [[1, 1, 2, 5]], "light-samples": 4, "shadows": True},
     "hidden light": {"occlusion": "0.3"},
     "mirrors": {"reflect": "0.4"},
+    "glass": {"opacity": [0.5], "refract": ["1.5"]},
     "highlights": {"shading": "phong", "specular": 0.5, "shininess": 9},
     "analytic normals": {"normals": "analytic"},
     "smooth normals": {"normals": "smooth"},

@@ -14,9 +14,9 @@
 
 enum { NODES = 36, CUBES = 6 };
 
-const leafcast_surface scene_stage_grid[] = {{0.5, {0.9f, 0.2f, 0.1f}, 0.4f, 0},
-                                             {1.1, {0.1f, 0.8f, 0.3f}, 0.6f, 0}};
-leafcast_surface scene_stage_mesh = {0, {0.2f, 0.3f, 0.9f}, 0.5f, 0};
+const leafcast_surface scene_stage_grid[] = {{0.5, {0.9f, 0.2f, 0.1f}, 0.4f, 0, 0},
+                                             {1.1, {0.1f, 0.8f, 0.3f}, 0.6f, 0, 0}};
+leafcast_surface scene_stage_mesh = {0, {0.2f, 0.3f, 0.9f}, 0.5f, 0, 0};
 const double scene_stage_isos[] = {0.5, 1.1};
 
 int scene_stage_set(void **state) {

@@ -178,6 +178,24 @@ def more(b):
     s.stop()
 
 
+def glass(b):
+    """Glass has no control of the page, and stays while it shows."""
+    s = Server([leafcast, "view", folder + "/glass.json"])
+    b.open(s.url)
+    b.until("return leafcast.volume.scene.file === 'glass.json'")
+    b.rest()
+    same(b, "glass", False, "glass")
+    b.js("leafcast.surfaces.list[0].opacity = 0.3; leafcast.changed(false)")
+    b.rest()
+    ok("glass stays", objects(b)[0]["flags"].get("refract") == ["1.5,3", "1,3"])
+    same(b, "clearer glass", True, "glass")
+    b.js("leafcast.surfaces.list[0].opacity = 1; leafcast.changed(false)")
+    b.rest()
+    ok("but where nothing is seen through it", "refract" not in objects(b)[0]["flags"])
+    same(b, "no glass", True, "glass")
+    s.stop()
+
+
 def steps(b):
     """Objects of one file go through its steps together."""
     s = Server([leafcast, "view", folder + "/steps.json"])
@@ -206,6 +224,7 @@ def main():
     bookmark(b, s.url)
     pick(b)
     more(b)
+    glass(b)
     steps(b)
     errors = [e["message"] for e in b.driver.get_log("browser") if e["level"] == "SEVERE" and "WebSocket" not in e["message"]]
     ok(f"no errors in the page {errors}", not errors)

@@ -31,6 +31,7 @@ SCENES = {
     "maximum": {"objects": [{"file": "grid.leaf"}, {"file": "grid.leaf", "transform": {"translate": [20, 20, 0]}}], "project": "max",
                 "size": [40, 30]},
     "mirror": {"objects": [{"file": "grid.leaf", "iso": [0.2, 0.6], "reflect": ["0.5,2", 0]}, TRI], "shading": "phong", "shininess": 9},
+    "glass": {"objects": [{"file": "grid.leaf", "iso": [0.2, 0.6], "opacity": [0.2, 1], "refract": ["1.5,3", 1]}, TRI]},
     "cut": {"objects": [GRID, TETS], "clip-box": [0, 0, 0, 60, 20, 20], "caps": "viridis", "annotate": "box,axes"},
     "by": {"objects": [{"file": "tets.leaf", "iso": 0.35, "colour-by": "grid.leaf", "window": [0, 1]}, GRID], "legend": True},
 }
@@ -199,7 +200,7 @@ def replace(path):
 VALUES = [None, True, False, 0, 1, 2, 3, 4, -1, 1.5, 1e300, 2 ** 40, "", "x", "/etc/passwd", "curve.txt", "auto", [], {}, [1], [[1, 2, 3]], ["#ff0000"],
           {"iso": 1}, "0:0,1:1", [0.2, 0.6], "nan", "1,2,3"]
 KEYS = ["index", "hidden", "flags", "page", "file", "transform", "instances", "surfaces", "iso", "colour", "opacity", "tf", "colour-map", "colour-by",
-        "window", "opacity-length", "field", "step", "time", "interpolate", "reflect", "eye", "light", "shadows", "project", "caps", "clip-box",
+        "window", "opacity-length", "field", "step", "time", "interpolate", "reflect", "refract", "eye", "light", "shadows", "project", "caps", "clip-box",
         "camera", "output", "objects", "samples", "lod", "normals", "legend", "annotate", "error", "occlusion", "ortho", "fov", "size"]
 
 

@@ -107,7 +107,7 @@ export class Scene {
       }
       if (now.iso && flags.field !== own.field) {
         const f = this.app.volume.fields[this.app.model.data.field], [suggested = f.data[1]] = stepOf(f, 0).suggested;
-        for (const key of ["colour", "opacity", "reflect"]) if (now[key]) now[key] = now[key].slice(0, 1);
+        for (const key of ["colour", "opacity", "reflect", "refract"]) if (now[key]) now[key] = now[key].slice(0, 1);
         now.iso = [suggested];
       }
       this.set(j, now);

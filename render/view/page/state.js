@@ -82,7 +82,8 @@ export function fromFlags(given, volume) {
   const flags = {};
   for (const [key, value] of Object.entries(given)) flags[key.replaceAll("_", "-")] = value;
   Object.assign(flags, flags.camera ?? {});
-  const colours = list(flags.colour ?? flags.color), curve = [], opacities = [], reflects = list(flags.reflect);
+  const colours = list(flags.colour ?? flags.color), curve = [], opacities = [], reflects = list(flags.reflect),
+    refracts = list(flags.refract);
   for (const o of list(flags.opacity))
     if (String(o).includes(":")) for (const p of String(o).split(",")) curve.push(p.split(":").map(Number));
     else opacities.push(+o);
@@ -94,7 +95,7 @@ export function fromFlags(given, volume) {
     camera: cameraOf(flags, volume),
     surfaces: [...isos.filter(v => volume.surface || v !== nowhere(f)).map((iso, i) =>
       ({iso, color: hexOf(colours[i] ?? COLOURS[i % COLOURS.length], "#ffffff"), opacity: opacities[i] ?? 1, on: true,
-        ...reflects[i] != null && {reflect: reflects[i]}})),
+        ...reflects[i] != null && {reflect: reflects[i]}, ...refracts[i] != null && {refract: refracts[i]}})),
       ...volume.surface ? [] : unseenOf(flags.page)].slice(0, SURFACES_MAX),
     volume: volumeOf(flags, curve),
     clip: {box: flags["clip-box"] ? numbers(flags["clip-box"]) : null,
@@ -209,6 +210,8 @@ export function flagsOfOne(model, volume) {
     flags.colour = on.map(s => s.color);
     if (on.some(s => s.opacity < 1)) flags.opacity = on.map(s => s.opacity);
     if (on.some(s => s.reflect != null)) flags.reflect = on.map(s => String(s.reflect ?? 0));
+    if (on.some(s => s.refract != null) && on.some(s => s.opacity < 1) && model.volume.mode === "off")
+      flags.refract = on.map(s => String(s.refract ?? 1)); // else it would change nothing, or is refused
   } else if (!projected && model.volume.mode === "off") flags.iso = [nowhere(field)];
   volumeFlags(model.volume, volume, field, flags);
   return Object.assign(flags, pageFlags(model, model.surfaces.filter(s => projected || !s.on)));
@@ -236,7 +239,7 @@ export function toFlags(model, volume) {
 // ---- as a line for a shell ----
 
 const quoted = text => /^[\w.,:=#+\/-]+$/.test(text) && !text.startsWith("#") ? text : `'${text.replaceAll("'", "'\\''")}'`;
-const REPEATED = ["iso", "colour", "opacity", "reflect", "light", "point-light", "clip-plane"];
+const REPEATED = ["iso", "colour", "opacity", "reflect", "refract", "light", "point-light", "clip-plane"];
 
 export function command(flags, file, width, height, verb = "render") {
   const words = ["leafcast", verb, quoted(file.startsWith("-") ? "./" + file : file)];

@@ -91,6 +91,28 @@ static void test_script_replaces(void **state) {
 }
 
 /* Field and step: a line's own, or the command line's again. */
+/* Of both flags the most counts; that of one goes with it. Glass that asks for none has 4. */
+static void test_bounces(void **state) {
+    (void)state;
+    static const struct {
+        const char *line;
+        int bounces;
+    } rows[] = {{"{\"iso\": [1, 2], \"opacity\": 0.5, \"refract\": [\"1.5,3\", 1]}", 3},
+                {"{\"reflect\": \"0.5,6\"}", 6},
+                {"{\"reflect\": 0.5}", 3},
+                {"{\"refract\": 1.5}", 4},
+                {"{\"refract\": [\"1.5\", \"1.3,7\"]}", 7},
+                {"{\"refract\": \"1.5,2\", \"reflect\": [\"0\", \"0.5,1\"]}", 2}};
+    script_frame f = start();
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        assert_int_equal(apply(&f, rows[i].line), ST_OK);
+        assert_int_equal(view_options_check(&f.view), ST_OK);
+        assert_int_equal(f.view.scene.bounces, rows[i].bounces);
+    }
+    assert_true(f.view.surfaces[0].refraction == 1.5f && f.view.surfaces[1].refraction == 0.0f);
+    assert_true(f.view.surfaces[1].reflectivity == 0.5f);
+}
+
 static void test_script_steps(void **state) {
     (void)state;
     script_frame f = start();
@@ -199,13 +221,10 @@ static void test_median(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_colours),
-        cmocka_unit_test(test_script_says_all),
-        cmocka_unit_test(test_script_replaces),
-        cmocka_unit_test(test_script_steps),
-        cmocka_unit_test(test_script_refuses),
-        cmocka_unit_test(test_lines),
-        cmocka_unit_test(test_a_waiting_reader_stops),
+        cmocka_unit_test(test_colours),         cmocka_unit_test(test_script_says_all),
+        cmocka_unit_test(test_script_replaces), cmocka_unit_test(test_bounces),
+        cmocka_unit_test(test_script_steps),    cmocka_unit_test(test_script_refuses),
+        cmocka_unit_test(test_lines),           cmocka_unit_test(test_a_waiting_reader_stops),
         cmocka_unit_test(test_median),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

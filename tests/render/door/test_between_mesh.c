@@ -95,8 +95,8 @@ static leafcast_scene scene_of(int look) {
     return scene;
 }
 
-static const leafcast_surface surfaces[2] = {{ISO, {0.9f, 0.5f, 0.1f}, 0.5f, 0},
-                                             {-0.5, {0.1f, 0.5f, 0.9f}, 1.0f, 0}};
+static const leafcast_surface surfaces[2] = {{ISO, {0.9f, 0.5f, 0.1f}, 0.5f, 0, 0},
+                                             {-0.5, {0.1f, 0.5f, 0.9f}, 1.0f, 0, 0}};
 
 static leafcast *open_both(const char *path, const leafcast_options *o) {
     leafcast *v = fixture_open(path, o);

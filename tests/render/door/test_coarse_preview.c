@@ -544,7 +544,7 @@ static void test_samples_between(void **state) {
 }
 
 static leafcast_frame *begin_level(leafcast *v, uint32_t step, all_planes *p) {
-    static const leafcast_surface surface = {ISO_VALUE, {1, 1, 1}, 1, 0};
+    static const leafcast_surface surface = {ISO_VALUE, {1, 1, 1}, 1, 0, 0};
     const leafcast_shown shown = {.volume = v, .step = step, .surfaces = &surface, .count = 1};
     const leafcast_camera view = leafcast_standard_view(v, 1.3, PICTURE_WIDTH, PICTURE_HEIGHT);
     const leafcast_image image = {.size = sizeof image,

@@ -189,13 +189,14 @@ static void groups_are_the_list_of_their_objects(void **state) {
     }
 }
 
-static void mirrors_see_groups(void **state) {
+static void mirrors_and_glass_see_groups(void **state) {
     static picture truth, other;
     const leafcast_camera view = view_of_wood();
     leafcast_surface mirror = scene_stage_mesh;
     wood w;
     wood_open(&w, *state, NULL, 0);
     mirror.reflectivity = 0.8f;
+    mirror.refraction = 1.5f;
     w.own[1].surfaces = w.second[0].surfaces = w.third[0].surfaces = &mirror;
     list_all(&w);
     w.grouped.bounces = w.listed.bounces = 2;
@@ -371,7 +372,7 @@ static void of_a_million_a_ray_asks_few(void **state) {
     assert_true(field_make(&f, "sphere", 12, FIELD_SEED));
     leafcast *v = fixture_open(fixture_leaf(&f, 5, 1, false), NULL);
     const leafcast_info info = leafcast_describe(v);
-    const leafcast_surface surface = {f.iso, {1, 1, 1}, 1, 0};
+    const leafcast_surface surface = {f.iso, {1, 1, 1}, 1, 0, 0};
     const double unit = info.bounds[1][0] - info.bounds[0][0];
     const double step = exp2(ceil(log2(2 * unit)));
     memset(places, 0, sizeof places);
@@ -533,7 +534,7 @@ static void what_groups_cannot_have_is_told(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(groups_are_the_list_of_their_objects),
-                                       cmocka_unit_test(mirrors_see_groups),
+                                       cmocka_unit_test(mirrors_and_glass_see_groups),
                                        cmocka_unit_test(a_mirror_sees_its_own_volume_elsewhere),
                                        cmocka_unit_test(media_lie_between_groups),
                                        cmocka_unit_test(rays_tell_the_object),

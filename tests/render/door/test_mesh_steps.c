@@ -134,8 +134,8 @@ typedef struct album {
     int hits;
 } album;
 
-static const leafcast_surface surfaces[2] = {{ISO, {0.9f, 0.5f, 0.1f}, 0.5f, 0},
-                                             {-0.5, {0.1f, 0.5f, 0.9f}, 1.0f, 0}};
+static const leafcast_surface surfaces[2] = {{ISO, {0.9f, 0.5f, 0.1f}, 0.5f, 0, 0},
+                                             {-0.5, {0.1f, 0.5f, 0.9f}, 1.0f, 0, 0}};
 
 /* Of each step the picture of its own file. */
 static void fill_album(const series *s, album *a) {

@@ -26,7 +26,7 @@ static const double PLACES[OBJECTS][12] = {
     {0, -0.5, 0, 40, 0, 0, 0.5, 10, 0.5, 0, 0, 12},
     {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
 
-static const leafcast_surface LONE = {0.8, {0.7f, 0.7f, 0.1f}, 0.5f, 0.0f};
+static const leafcast_surface LONE = {0.8, {0.7f, 0.7f, 0.1f}, 0.5f, 0, 0};
 
 /* The grid and the mesh in turn, the grid once with another surface; the last one has no place. */
 typedef struct crowd {
@@ -335,7 +335,7 @@ static void thousands_are_few_questions_a_ray(void **state) {
     assert_true(field_make(&f, "sphere", 12, FIELD_SEED));
     leafcast *v = fixture_open(fixture_leaf(&f, 5, 1, false), NULL);
     const leafcast_info info = leafcast_describe(v);
-    const leafcast_surface surface = {f.iso, {1, 1, 1}, 1, 0};
+    const leafcast_surface surface = {f.iso, {1, 1, 1}, 1, 0, 0};
     const double unit = info.bounds[1][0] - info.bounds[0][0];
     const double step = exp2(ceil(log2(2 * unit)));
     for (int i = 0; i < COUNT; i++) {
@@ -410,7 +410,7 @@ static void at_one_t_the_first_listed_comes_first(void **state) {
             first_there = first_there && x[i] < x[5];
     }
     assert_true(first_there && row % 36 > 0);
-    const leafcast_surface surface = {(double)x[5], {1, 1, 1}, 1, 0};
+    const leafcast_surface surface = {(double)x[5], {1, 1, 1}, 1, 0, 0};
     scene_stage_open(&pair, s, NULL, 0);
     leafcast_shown shown[5];
     leafcast_scene scene = leafcast_scene_default();

@@ -18,7 +18,7 @@
 
 enum { RAYS = 600 };
 
-static const leafcast_surface ground = {0.0, {0.8f, 0.7f, 0.6f}, 1.0f, 0.0f};
+static const leafcast_surface ground = {0.0, {0.8f, 0.7f, 0.6f}, 1.0f, 0, 0};
 
 /* A terrain of some size. */
 static void make_broad(heights_terrain *t, int shape, int n) {
@@ -219,7 +219,7 @@ static void test_scene(void **state) {
     const leafcast_options o = {.size = sizeof o, .device = device};
     leafcast *v[2] = {fixture_open(heights_lab_leaf(&t, 4, 0, true), &o),
                       fixture_open(fixture_leaf(&ball, 4, 1, true), &o)};
-    const leafcast_surface surfaces[2] = {ground, {ball.iso, {0.2f, 0.4f, 0.9f}, 1.0f, 0.0f}};
+    const leafcast_surface surfaces[2] = {ground, {ball.iso, {0.2f, 0.4f, 0.9f}, 1.0f, 0, 0}};
     leafcast_shown shown[2];
     for (int i = 0; i < 2; i++) {
         shown[i] = (leafcast_shown){.volume = v[i], .surfaces = &surfaces[i], .count = 1};

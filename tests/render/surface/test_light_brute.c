@@ -1,7 +1,7 @@
-/* test_light_brute.c - soft shadows, hidden ambient light and reflections of a grid, a mesh and
- * both: pixel by pixel what rays of the public calls say, by the pattern that render/surface/
- * light_samples.h describes; and the same bits for any threads, kernels, treelets, slices and
- * parts.
+/* test_light_brute.c - soft shadows, hidden ambient light, reflections and refractions of a grid, a
+ * mesh and both: pixel by pixel what rays of the public calls say, by the pattern that
+ * render/surface/ light_samples.h describes; and the same bits for any threads, kernels, treelets,
+ * slices and parts.
  */
 /* marks: threads */
 #include <setjmp.h>
@@ -121,12 +121,13 @@ typedef struct met {
     double at[3], towards[3]; /* it, and the way back */
     double normal[3];         /* on that side; */
     double side[3];           /* the cell's own: the side that the ray came from */
+    bool entering;
     const leafcast_surface *look;
 } met;
 
 static met met_of(const lab *l, const leafcast_ray *r, const leafcast_ray_hit *h,
                   const leafcast_ray_hit *of_cell) {
-    met m = {.look = &l->surfaces[h->surface]};
+    met m = {.look = &l->surfaces[h->surface], .entering = h->entering};
     for (int a = 0; a < 3; a++) {
         m.at[a] = r->origin[a] + h->t * r->direction[a];
         m.towards[a] = -r->direction[a];
@@ -229,50 +230,137 @@ static void light(const lab *l, const met *m, double rgb[3], double *slack) {
 
 static colour look_along(const lab *l, leafcast_ray r, int depth, double weight);
 
-/* The colour of a surface, of which at most `weight` is seen. */
-static void colour_of(const lab *l, const met *m, int depth, double weight, double rgb[3],
-                      colour *into) {
-    double slack, to[3];
-    light(l, m, rgb, &slack);
-    const double share = (double)m->look->reflectivity, along = dot(m->towards, m->normal);
-    const double counts = weight * (double)m->look->opacity * share;
+/* Where light goes at a surface, and the share that is mirrored. */
+typedef struct parting {
+    double mirrored[3], refracted[3], share;
+    bool fits;  /* each leads to its own side; */
+    bool close; /* or hardly */
+} parting;
+
+static void mirror(const met *m, const double normal[3], double to[3]) {
     for (int a = 0; a < 3; a++)
-        to[a] = 2 * along * m->normal[a] - m->towards[a];
+        to[a] = 2 * dot(m->towards, normal) * normal[a] - m->towards[a];
     unit(to);
-    into->slack += slack;
-    if (depth == l->scene.bounces || counts == 0)
-        return;
-    into->unclear |= fabs(counts * 4096 - 1) < 1e-3 || fabs(dot(to, m->side)) < 1e-6;
-    if (counts <= 1.0 / 4096 || dot(to, m->side) < 0)
-        return;
-    const colour seen = look_along(l, ray_of(m->at, to, START, INFINITY), depth + 1, counts);
-    for (int c = 0; c < 3; c++)
-        rgb[c] = (1 - share) * rgb[c] + share * seen.rgba[c];
+}
+
+/* By angles. */
+static parting part(const met *m, const double normal[3]) {
+    const double index = (double)m->look->refraction;
+    const double before = acos(fmin(1, dot(m->towards, normal)));
+    const double sine = sin(before) * (m->entering ? 1 / index : index),
+                 behind = asin(fmin(1, sine));
+    parting p = {.share = 1, .close = fabs(sine - 1) < 1e-6};
+    double across[3];
+    mirror(m, normal, p.mirrored);
+    p.close |= fabs(dot(p.mirrored, m->side)) < 1e-6;
+    p.fits = dot(p.mirrored, m->side) > 0;
+    if (sine >= 1)
+        return p;
+    for (int a = 0; a < 3; a++)
+        across[a] = cos(before) * normal[a] - m->towards[a];
+    if (before > 0)
+        unit(across);
+    for (int a = 0; a < 3; a++)
+        p.refracted[a] = sin(behind) * across[a] - cos(behind) * normal[a];
+    const double s = sin(before - behind) / sin(before + behind),
+                 t = tan(before - behind) / tan(before + behind);
+    p.share = (s * s + t * t) / 2;
+    p.close |= fabs(dot(p.refracted, m->side)) < 1e-6;
+    p.fits &= dot(p.refracted, m->side) < 0;
+    return p;
+}
+
+/* Add what is seen from the surface along a ray. */
+static void add_seen(const lab *l, const met *m, const double to[3], int depth, double weight,
+                     double share, double rgba[4], colour *into) {
+    const colour seen = look_along(l, ray_of(m->at, to, START, INFINITY), depth + 1, weight);
+    for (int c = 0; c < 4; c++)
+        rgba[c] += share * seen.rgba[c];
     into->slack += seen.slack;
     into->unclear |= seen.unclear;
 }
 
-/* All that a ray sees. */
+static bool near_least(double weight) {
+    return fabs(weight * 4096 - 1) < 1e-3;
+}
+
+/* The colour of a surface, of which at most `weight` is seen. Returns whether all that is behind it
+ * is in `behind`. */
+static bool colour_of(const lab *l, const met *m, int depth, double weight, double rgb[3],
+                      double behind[4], colour *into) {
+    double slack, seen[4] = {0};
+    light(l, m, rgb, &slack);
+    into->slack += slack;
+    if (depth == l->scene.bounces)
+        return false;
+    const double least = 1.0 / 4096, opacity = (double)m->look->opacity,
+                 reflects = (double)m->look->reflectivity, own = weight * opacity * reflects,
+                 clear = weight * (1 - opacity);
+    parting p = {.share = 0};
+    bool bends = m->look->refraction > 0 && clear > least;
+    into->unclear |= m->look->refraction > 0 && near_least(clear);
+    if (bends) {
+        p = part(m, m->normal);
+        into->unclear |= p.close;
+        if (!p.fits)
+            p = part(m, m->side);
+        into->unclear |= p.close;
+        bends = p.fits;
+    }
+    if (!bends) {
+        p.share = 0;
+        mirror(m, m->normal, p.mirrored);
+    } else {
+        into->unclear |= near_least(clear * (1 - p.share)) || near_least(own + clear * p.share);
+        p.share = clear * (1 - p.share) <= least ? 1 : own + clear * p.share <= least ? 0 : p.share;
+    }
+    const double counts = own + clear * p.share, along = dot(p.mirrored, m->side);
+    into->unclear |= counts > 0 && (near_least(counts) || fabs(along) < 1e-6);
+    if (counts > least && along >= 0) {
+        add_seen(l, m, p.mirrored, depth, counts, 1, seen, into);
+        for (int c = 0; c < 4; c++)
+            behind[c] = p.share * seen[c];
+        for (int c = 0; c < 3; c++) {
+            seen[c] += (1 - seen[3]) * (double)(l->scene.background[3] * l->scene.background[c]);
+            rgb[c] = (1 - reflects) * rgb[c] + reflects * seen[c];
+        }
+    }
+    if (bends && p.share < 1)
+        add_seen(l, m, p.refracted, depth, clear * (1 - p.share), 1 - p.share, behind, into);
+    return bends;
+}
+
+/* All that a ray sees, without the background. */
 static colour look_along(const lab *l, leafcast_ray r, int depth, double weight) {
     colour out = {.slack = 0};
     double through = 1;
     for (int layer = 0; layer < LAYERS && through > 1.0 / 4096; layer++) {
         leafcast_ray_hit h, of_cell;
-        double rgb[3];
+        double rgb[3], behind[4] = {0};
         assert_int_equal(leafcast_trace_rays(l->volume, &l->scene, &r, 1, &h), LEAFCAST_OK);
         assert_int_equal(leafcast_trace_rays(l->volume, &l->cells, &r, 1, &of_cell), LEAFCAST_OK);
         if (!(h.t < INFINITY))
             break;
         out.unclear |= depth > 0 && layer == 0 && h.t < CLOSE;
         const met m = met_of(l, &r, &h, &of_cell);
-        colour_of(l, &m, depth, weight * through, rgb, &out);
-        for (int c = 0; c < 3; c++)
-            out.rgba[c] += through * (double)m.look->opacity * rgb[c];
-        through *= 1 - (double)m.look->opacity;
+        const bool bent = colour_of(l, &m, depth, weight * through, rgb, behind, &out);
+        const double opacity = (double)m.look->opacity;
+        for (int c = 0; c < 4; c++)
+            out.rgba[c] += through * (opacity * (c < 3 ? rgb[c] : 1) + (1 - opacity) * behind[c]);
+        through *= 1 - opacity;
+        if (bent)
+            break;
         r.t0 = h.t + 1e-9;
     }
+    return out;
+}
+
+/* All that is seen through a pixel. */
+static colour look_at_all(const lab *l, leafcast_ray r) {
+    colour out = look_along(l, r, 0, 1);
     for (int c = 0; c < 3; c++)
-        out.rgba[c] += through * (double)(l->scene.background[3] * l->scene.background[c]);
+        out.rgba[c] +=
+            (1 - out.rgba[3]) * (double)(l->scene.background[3] * l->scene.background[c]);
     return out;
 }
 
@@ -304,6 +392,7 @@ static void set_lab(lab *l, scene_pair *v, int kind, bool opaque) {
         l->surfaces[i] = i < 2 ? scene_stage_grid[i] : scene_stage_mesh;
         l->surfaces[i].opacity = opaque ? 1 : i == 1 ? 0.9f : 0.6f;
         l->surfaces[i].reflectivity = 0.3f + 0.2f * (float)i;
+        l->surfaces[i].refraction = i == 1 ? 0 : i == 0 ? 1.5f : 0.8f;
     }
     v->shown[0].surfaces = l->surfaces;
     v->shown[1].surfaces = l->surfaces + 2;
@@ -339,7 +428,7 @@ static void judge(lab *l, const leafcast_camera *c, const picture *p, const char
         if (p->id[i] < 0)
             continue;
         leafcast_pixel_ray(c, l->x + 0.5, l->y + 0.5, o, d);
-        const colour want = look_along(l, ray_of(o, d, 0, INFINITY), 0, 1);
+        const colour want = look_at_all(l, ray_of(o, d, 0, INFINITY));
         n->unclear += want.unclear;
         if (want.unclear)
             continue;
@@ -373,8 +462,10 @@ static void pixels_are_what_rays_say(void **state) {
             assert_true(n.judged >= 150 / STEP && n.unclear * 20 < n.judged);
             assert_true(n.slack < 0.01 * n.judged);
             assert_true(stats.mirrored_rays > 0 && stats.occlusion_rays > 0);
+            assert_true((stats.refracted_rays > 0) == !opaque);
             assert_int_equal(stats.rays, stats.primary_rays + stats.shadow_rays +
-                                             stats.occlusion_rays + stats.mirrored_rays);
+                                             stats.occlusion_rays + stats.mirrored_rays +
+                                             stats.refracted_rays);
             scene_stage_close(&v);
         }
     }
@@ -456,6 +547,8 @@ static void other_ways_have_the_same_bits(void **state) {
             l.scene.light_samples = l.scene.occlusion_samples = 2;
             l.scene.media = media;
             l.scene.media_count = look == 2 ? 2 : 0;
+            for (int k = 0; k < 3 && look == 2; k++)
+                l.surfaces[k].refraction = 0; /* not with media */
             memset(&got, 0, sizeof got);
             if (w->draw)
                 w->draw(l.volume, &l.scene, &c, &got);
@@ -480,6 +573,8 @@ static void clear_media_do_not_show(void **state) {
     lab l;
     scene_stage_open(&v, *state, NULL, 0);
     set_lab(&l, &v, BOTH, false);
+    for (int i = 0; i < 3; i++)
+        l.surfaces[i].refraction = 0;
     l.scene.media = media;
     for (int count = 1; count <= 2; count++) {
         l.scene.volume_count = l.scene.media_count = count;
