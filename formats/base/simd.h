@@ -12,7 +12,8 @@
  * f_load_triples(): the three floats from + 3 at[k], and nothing behind them. f_load_fours(): four
  * floats from + stride at[k]. f_look_up(): from[at[k]] of four. d_load_rows(): VD_N / D_ROW rows of
  * D_ROW doubles. d_load_at(), d_gather(): from[at[k]]. d_load_four(): four doubles from + stride
- * at[k]. d_look_up(): d_gather() from a table, all D_TABLE doubles of which may be read;
+ * at[k]. i_gather(): the 4 bytes at from + at[k], at any address. i_look_up_16(): from[at[k]]
+ * of 16. d_look_up(): d_gather() from a table, all D_TABLE doubles of which may be read;
  * d_look_up_half(): from one of half the size. Both are useful where D_LOOKS_UP. l_of_shorts():
  * VD_N 16-bit numbers. l_gather(): the 8 bytes at from + at[k], at any address. f_of_bytes(): VF_N
  * bytes, but eight at most and zeros.
@@ -29,6 +30,8 @@
  */
 #ifndef FORMATS_BASE_SIMD_H
 #define FORMATS_BASE_SIMD_H
+
+#include <string.h>
 
 #include "formats/base/simd_isa.h"
 
@@ -175,6 +178,42 @@ SIMD int i_any(vi a) {
 #endif
 }
 
+SIMD int i_at_(const char *from, int32_t at) {
+    int a;
+    memcpy(&a, from + at, sizeof a);
+    return a;
+}
+SIMD __m128i i_row_at_(const char *from, const int32_t at[4]) {
+    return _mm_set_epi32(i_at_(from, at[3]), i_at_(from, at[2]), i_at_(from, at[1]),
+                         i_at_(from, at[0]));
+}
+/* One by one: the gathers of CPUs are no faster where that was measured (Zen 4). */
+SIMD vi i_gather(const void *from, vi at) {
+    int32_t i[VF_N];
+    memcpy(i, &at, sizeof i);
+#if defined __AVX512F__
+    const __m256i low = _mm256_set_m128i(i_row_at_(from, i + 4), i_row_at_(from, i));
+    const __m256i high = _mm256_set_m128i(i_row_at_(from, i + 12), i_row_at_(from, i + 8));
+    return (vi)_mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
+#elif defined __AVX2__
+    return (vi)_mm256_set_m128i(i_row_at_(from, i + 4), i_row_at_(from, i));
+#else
+    return (vi)i_row_at_(from, i);
+#endif
+}
+
+SIMD vi i_look_up_16(const uint32_t from[16], vi at) {
+#if defined __AVX512F__
+    return (vi)_mm512_permutexvar_epi32((__m512i)at, (__m512i)i_load(from));
+#elif defined __AVX2__
+    const __m256i low = _mm256_permutevar8x32_epi32((__m256i)i_load(from), (__m256i)at);
+    const __m256i high = _mm256_permutevar8x32_epi32((__m256i)i_load(from + 8), (__m256i)at);
+    return (vi)_mm256_blendv_ps((__m256)low, (__m256)high, (__m256)(at << 28));
+#else
+    return i_gather(from, at << 2);
+#endif
+}
+
 typedef uint64_t vl __attribute__((vector_size(sizeof(vd))));
 
 SIMD vl l_set(uint64_t a) {
@@ -303,9 +342,42 @@ SIMD vd d_look_up_half(const double *from, vl at) {
 SIMD vd d_look_up(const double *from, vl at) {
     return d_gather(from, at);
 }
+
+/* The bytes of the lanes of a row that have a bit, by the bits. */
+#define LANE_(k) 4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3
+static const uint8_t i_pack_order_[16][16] = {
+    {0},
+    {LANE_(0)},
+    {LANE_(1)},
+    {LANE_(0), LANE_(1)},
+    {LANE_(2)},
+    {LANE_(0), LANE_(2)},
+    {LANE_(1), LANE_(2)},
+    {LANE_(0), LANE_(1), LANE_(2)},
+    {LANE_(3)},
+    {LANE_(0), LANE_(3)},
+    {LANE_(1), LANE_(3)},
+    {LANE_(0), LANE_(1), LANE_(3)},
+    {LANE_(2), LANE_(3)},
+    {LANE_(0), LANE_(2), LANE_(3)},
+    {LANE_(1), LANE_(2), LANE_(3)},
+    {LANE_(0), LANE_(1), LANE_(2), LANE_(3)},
+};
+#undef LANE_
+
+SIMD void i_pack_row_(uint32_t *to, __m128i row, unsigned bits) {
+    const __m128i order = _mm_loadu_si128((const __m128i *)(const void *)i_pack_order_[bits]);
+    _mm_storeu_si128((__m128i *)(void *)to, _mm_shuffle_epi8(row, order));
+}
+
 SIMD void i_pack(uint32_t *to, vi a, unsigned bits) {
-    for (; bits; bits &= bits - 1)
-        *to++ = (uint32_t)a[__builtin_ctz(bits)];
+#if defined __AVX2__
+    i_pack_row_(to, _mm256_castsi256_si128((__m256i)a), bits & 15u);
+    i_pack_row_(to + __builtin_popcount(bits & 15u), _mm256_extracti128_si256((__m256i)a, 1),
+                bits >> 4 & 15u);
+#else
+    i_pack_row_(to, (__m128i)a, bits & 15u);
+#endif
 }
 SIMD void d_pack(double *to, vd a, unsigned bits) {
     for (unsigned k = 0; k < VD_N; k++) {
@@ -321,6 +393,9 @@ SIMD void l_pack(uint64_t *to, vl a, unsigned bits) {
 /* Round towards zero; for numbers that fit. */
 SIMD vi f_to_int(vf a) {
     return __builtin_convertvector(a, vi);
+}
+SIMD vf f_of_ints(vi a) {
+    return __builtin_convertvector(a, vf);
 }
 
 /* 1 / a with a relative error of 2^-22, for a of ordinary size. CPUs differ: for conservative tests

@@ -254,6 +254,20 @@ SIMD void i_pack(uint32_t *to, vi a, unsigned bits) {
     FLOATS(i) if (bits >> i & 1) packed[n++] = (uint32_t)a[i];
     memcpy(to, packed, sizeof packed);
 }
+SIMD vi i_gather(const void *from, vi at) {
+    vi v;
+    FLOATS(i) {
+        int32_t a;
+        memcpy(&a, (const char *)from + at[i], sizeof a);
+        v[i] = a;
+    }
+    return v;
+}
+SIMD vi i_look_up_16(const uint32_t from[16], vi at) {
+    vi v;
+    FLOATS(i) v[i] = (int32_t)from[at[i]];
+    return v;
+}
 SIMD vf f_swap(vf a, unsigned by) {
     vf v;
     FLOATS(i) v[i] = a[(unsigned)i ^ by];
@@ -308,6 +322,11 @@ SIMD vf f_reciprocal(vf a) {
 SIMD vi f_to_int(vf a) {
     vi v;
     FLOATS(i) v[i] = (int32_t)a[i];
+    return v;
+}
+SIMD vf f_of_ints(vi a) {
+    vf v;
+    FLOATS(i) v[i] = (float)a[i];
     return v;
 }
 SIMD int i_any(vi a) {

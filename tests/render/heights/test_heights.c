@@ -10,8 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/ray/open_volume.h"
 #include "tests/support/fixture.h"
 #include "tests/support/heights_lab.h"
+#include "tests/support/heights_tile_wide.h"
 #include "tests/support/naive_leaf.h"
 #include "tests/support/pictures.h"
 #include "tests/support/scratch.h"
@@ -175,11 +177,14 @@ static void test_shadows(void **state) {
 static void test_pictures(void **state) {
     (void)state;
     field_random r = {FIELD_SEED};
-    static const int shaped[] = {0, 2, 4, 10};
-    for (size_t s = 0; s < sizeof shaped / sizeof *shaped; s++) {
+    for (int shape = 0; shape < HEIGHTS_SHAPES; shape++) {
         heights_terrain t;
-        make_broad(&t, shaped[s], 80);
-        picture_volumes v = pictures_open(heights_lab_leaf(&t, 4, 0, true), 2);
+        make_broad(&t, shape, 80);
+        const char *path = heights_lab_leaf(&t, 4 + (uint32_t)shape % 3, 0, true);
+        picture_volumes v = pictures_open(path, 2);
+        pictures_open_one(&v, path, "scalar", 2);
+        v.of[v.count - 1]->kernels.tile = heights_tile_wide;
+        v.name[v.count - 1] = "wide";
         leafcast_surface shown = ground;
         int seen = 0;
         for (int view = 0; view < PICTURE_VIEWS; view++) {
@@ -189,7 +194,7 @@ static void test_pictures(void **state) {
             shown.opacity = view % 2 ? 0.4f : 1.0f;
             const leafcast_camera c = pictures_view(v.of[0], view, &r);
             pictures_select(&v, &shown, 1);
-            seen += pictures_alike(&v, &scene, &c, heights_lab_name(shaped[s]));
+            seen += pictures_alike(&v, &scene, &c, heights_lab_name(shape));
         }
         assert_true(seen > PICTURE_PIXELS);
         pictures_close(&v);
