@@ -34,7 +34,7 @@ static double height(int shape, int i, int j, field_random *r) {
     switch (shape) {
     case 0: return 2.0 * sin(x) + 1.5 * cos(1.3 * y) + sin(0.4 * x * y);
     case 1: return 4.0 * u;
-    case 2: return floor(3.0 * u);
+    case 2: return floor(3.0 * u) - 1.0;
     case 3: return u < 0.03 ? 2000.0 : 0.0;
     case 4: return u < 0.08 ? (double)NAN : 3.0 * field_random_unit(r);
     case 5: return 1e6 + 4.0 * u;

@@ -119,6 +119,11 @@ static void meant_floats(const simd_probe_input *in, int lanes, int i, simd_prob
     out->f[PROBE_FOUR_TABLE][i] = in->x[in->p >> i & 3u];
     const int from = packed(in, lanes, i);
     out->f[PROBE_PACK_INT][i] = from < lanes ? (float)(in->p << from) : 1.0f;
+    const uint32_t keep = (uint32_t)(in->keep >> 32);
+    memcpy(&out->f[PROBE_GATHER_INT][i], (const char *)in->x + 7u * (in->p >> i & 3u),
+           sizeof(float));
+    out->f[PROBE_SIXTEEN][i] = (float)(keep << (in->p >> i & 15u));
+    out->f[PROBE_OF_INTS][i] = (float)(int32_t)(keep << i);
 }
 
 #define MEANT_MASKS(to, a, b, i)                \

@@ -54,6 +54,9 @@ enum {
     PROBE_SHORTS,     /* l_of_shorts() of p, lane i so far up */
     PROBE_PACK,       /* a by d_pack() where q has bits, then 1 */
     PROBE_PACK_INT,   /* p, lane i so far up, by i_pack() where q has bits, then 1 */
+    PROBE_GATHER_INT, /* i_gather() from x, seven bytes apart, at the bits of p */
+    PROBE_SIXTEEN,    /* i_look_up_16() in the upper half of keep, so far up, at four bits of p */
+    PROBE_OF_INTS,    /* f_of_ints() of that, lane i so far up */
     PROBE_WORDS
 };
 enum {

@@ -95,6 +95,22 @@ static void probe_fours(const simd_probe_input *in, const uint32_t at[], simd_pr
         out->f[PROBE_PACK_INT][i] = (float)packed[i];
 }
 
+static void probe_gathers(const simd_probe_input *in, simd_probe_output *out) {
+    uint32_t sevens[VF_N], table[16], at[VF_N], found[VF_N], numbers[VF_N];
+    for (unsigned i = 0; i < 16; i++)
+        table[i] = (uint32_t)(in->keep >> 32) << i;
+    for (unsigned i = 0; i < VF_N; i++) {
+        sevens[i] = 7u * (in->p >> i & 3u);
+        at[i] = in->p >> i & 15u;
+        numbers[i] = (uint32_t)(in->keep >> 32) << i;
+    }
+    f_store(out->f[PROBE_GATHER_INT], (vf)i_gather(in->x, i_load(sevens)));
+    i_store(found, i_look_up_16(table, i_load(at)));
+    for (unsigned i = 0; i < VF_N; i++)
+        out->f[PROBE_SIXTEEN][i] = (float)found[i];
+    f_store(out->f[PROBE_OF_INTS], f_of_ints(i_load(numbers)));
+}
+
 static void probe_floats(const simd_probe_input *in, simd_probe_output *out) {
     const vf x = f_load(in->x), y = f_load(in->y);
     const mf p = mf_of_bits(in->p & ((1u << VF_N) - 1));
@@ -124,6 +140,7 @@ static void probe_floats(const simd_probe_input *in, simd_probe_output *out) {
     for (int a = 0; a < 3; a++)
         f_store(out->f[PROBE_TRIPLE_X + a], triple[a]);
     probe_fours(in, at, out);
+    probe_gathers(in, out);
     const vi whole = f_to_int(x);
     for (int i = 0; i < VF_N; i++)
         out->f[PROBE_INT][i] = in->x[i] > -0x1p30f && in->x[i] < 0x1p30f ? (float)whole[i] : 0.0f;
