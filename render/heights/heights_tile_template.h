@@ -63,7 +63,7 @@ static void cell_normals(void *work, const tile_layer *l, tile_normals normal) {
     const heights_tile *w = work;
     const tracer *tr = w->b.s.f->tracer;
     const treelet *at = NULL;
-    heights_block b;
+    heights_block b = {.of = NULL};
     for (unsigned i = 0; i < TILE_RAYS; i++) {
         if (!in_layer(l, i))
             continue;
