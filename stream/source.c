@@ -17,7 +17,7 @@
 #define MADV_POPULATE_READ 22
 #endif
 
-enum { GIVE_BACK = 8 << 20 };
+enum { GIVE_BACK = 8 << 20, POPULATE_ATTEMPTS = 4 };
 
 /* Payloads that lie so near to each other are read ahead together. */
 enum { AHEAD_GAP = 4 << 10 };
@@ -55,16 +55,24 @@ static page_range pages_of(const source *s, uint64_t from, uint64_t bytes) {
     return (page_range){(uint8_t *)first, (size_t)(at + bytes - first)};
 }
 
+static int populate_pages(page_range r) {
+    if (fault_hit(FAULT_PAGES))
+        return EFAULT;
+    return madvise(r.first, r.bytes, MADV_POPULATE_READ) == 0 ? 0 : errno;
+}
+
 /* EFAULT means that touching the pages would raise SIGBUS: the disk does not give them, or the file
- * has been cut. */
-static status populate_failed(const source *s, uint32_t p, uint64_t from, uint64_t bytes,
-                              int error) {
+ * has been cut. The mark tells of a cut, except of one that began in the tick of the clock in which
+ * the file was opened and has been made good since: then another attempt finds pages, and the
+ * checksum what is in them. Returns ST_OK to try again. */
+static status populate_failed(const source *s, uint32_t p, uint64_t from, uint64_t bytes, int error,
+                              int attempt) {
     const status st = error == EFAULT ? leaf_file_changed(s->file) : ST_OK;
-    return st != ST_OK
-               ? st
-               : status_describe(ST_IO, "%s: payload %u: reading bytes %llu to %llu failed: %s",
-                                 file_path(s->file->source), p, (unsigned long long)from,
-                                 (unsigned long long)(from + bytes), strerror(error));
+    if (st != ST_OK || (error == EFAULT && attempt < POPULATE_ATTEMPTS))
+        return st;
+    return status_describe(ST_IO, "%s: payload %u: reading bytes %llu to %llu failed: %s",
+                           file_path(s->file->source), p, (unsigned long long)from,
+                           (unsigned long long)(from + bytes), strerror(error));
 }
 
 static status populate(source *s, uint32_t p, uint64_t from, uint64_t bytes) {
@@ -74,12 +82,15 @@ static status populate(source *s, uint32_t p, uint64_t from, uint64_t bytes) {
                                file_path(s->file->source), p);
     /* Request the whole range at once: populating page by page would wait for each. */
     (void)madvise(r.first, r.bytes, MADV_WILLNEED);
-    while (madvise(r.first, r.bytes, MADV_POPULATE_READ) != 0) {
-        if (errno == EINTR || errno == EAGAIN)
+    int attempt = 0, error;
+    while ((error = populate_pages(r)) != 0) {
+        if (error == EINTR || error == EAGAIN)
             continue;
-        if (errno == EINVAL)
+        if (error == EINVAL)
             break;
-        return populate_failed(s, p, from, bytes, errno);
+        const status st = populate_failed(s, p, from, bytes, error, ++attempt);
+        if (st != ST_OK)
+            return st;
     }
     return ST_OK;
 }

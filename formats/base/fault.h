@@ -14,6 +14,7 @@ typedef enum fault_kind {
     FAULT_READ,
     FAULT_WRITE,
     FAULT_THREAD,
+    FAULT_PAGES, /* a mapped file's, lost for a moment */
     FAULT_KINDS
 } fault_kind;
 

@@ -23,6 +23,7 @@
 
 #include "formats/base/bus_error.h"
 #include "formats/base/clock.h"
+#include "formats/base/fault.h"
 #include "stream/source.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_leaves.h"
@@ -351,6 +352,31 @@ static void test_cut_source(void **state) {
     field_release(&f);
 }
 
+/* Nor are pages that were lost for a moment, when no mark tells. */
+static void test_pages_back(void **state) {
+    (void)state;
+    field f;
+    mem m;
+    leaf_file *file = NULL;
+    source *s = NULL;
+    leaf_unpacker *u = NULL;
+    const void *payload = NULL;
+    assert_true(field_make(&f, "waves", 30, FIELD_SEED));
+    mem_init(&m, 0);
+    assert_int_equal(leaf_file_open(&m, fixture_leaf(&f, 4, 1, false), &file), ST_OK);
+    assert_int_equal(source_open(&m, file, SOURCE_MAPPED, &s), ST_OK);
+    assert_int_equal(leaf_unpacker_create(&m, file, &u), ST_OK);
+    fault_arm(FAULT_PAGES, 1);
+    assert_int_equal(source_load(s, 1, u, &payload), ST_OK);
+    assert_true(fault_fired(FAULT_PAGES));
+    fault_arm(FAULT_PAGES, 0);
+    source_evict(s, 1, payload);
+    leaf_unpacker_destroy(u);
+    source_close(s);
+    leaf_file_close(file);
+    field_release(&f);
+}
+
 /* ---- The handler ---- */
 
 static void die_by_mapping(const char *path) {
@@ -435,6 +461,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bus_error),    cmocka_unit_test(test_bus_error_name),
         cmocka_unit_test(test_what_is_said), cmocka_unit_test(test_cut_source),
-        cmocka_unit_test(test_grid),         cmocka_unit_test(test_mesh)};
+        cmocka_unit_test(test_pages_back),   cmocka_unit_test(test_grid),
+        cmocka_unit_test(test_mesh)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
