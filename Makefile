@@ -224,7 +224,7 @@ $B/obj/%_avx512.o: ISA := -mavx512f -mavx512dq -mavx512bw -mavx512vl -mavx512cd 
 
 # Plain C in the place of vectors takes compilers longest. What it computes the units of an ISA compute, too.
 $B/obj/%_wide.o:   ISA := -Wno-psabi -O1 -g0 $(if $(findstring undefined,$(FLAGS_$(CONFIG))),-fno-sanitize=undefined)
-$B/obj/tests/render/mesh/test_isopolygon.o: ISA := -Wno-psabi
+$B/obj/tests/render/mesh/test_isopolygon.o $B/obj/tests/render/triangle/test_triangle_lanes.o: ISA := -Wno-psabi
 
 $B/obj/%.o: %.c $B/flags
 	@mkdir -p $(@D)

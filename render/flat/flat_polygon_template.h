@@ -136,10 +136,11 @@ SIMD void see_edges(const polygon_lanes *g, int i, int j, const vd p[4][3], vd e
     out->error[at] = d_set(EXACT_BOUND) * (error_most * terms) + d_set(EXACT_SMALLEST);
 }
 
-SIMD void see_lanes(const polygon_lanes *g, const double o[3], seen_lanes *out) {
+/* quads: whether there are any; without them, out has no point 3 and no edges to it. */
+SIMD void see_lanes(const polygon_lanes *g, const double o[3], bool quads, seen_lanes *out) {
     const vd most = d_set(1.0 + 0x1p-40); /* more than a rounded component */
     vd p[4][3];
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < (quads ? 4 : 3); i++) {
         for (int a = 0; a < 3; a++) {
             p[i][a] = d_load(g->p[i][a]);
             out->a[i][a] = p[i][a] - d_set(o[a]);
@@ -148,6 +149,8 @@ SIMD void see_lanes(const polygon_lanes *g, const double o[3], seen_lanes *out) 
     see_edges(g, 1, 2, (const vd(*)[3])p, most, out, EDGE_12);
     see_edges(g, 2, 0, (const vd(*)[3])p, most, out, EDGE_20);
     see_edges(g, 0, 1, (const vd(*)[3])p, most, out, EDGE_01);
+    if (!quads)
+        return;
     see_edges(g, 2, 3, (const vd(*)[3])p, most, out, EDGE_23);
     see_edges(g, 3, 0, (const vd(*)[3])p, most, out, EDGE_30);
 }

@@ -276,11 +276,11 @@ SIMD void meet_few(flat_tile *w, const seen_lanes *s, unsigned lanes, unsigned q
 }
 
 /* Copy a lane's polygon to all lanes. */
-SIMD void spread_lane(const seen_lanes *s, unsigned lane, seen_lanes *out) {
-    for (int i = 0; i < 4; i++)
+SIMD void spread_lane(const seen_lanes *s, unsigned lane, bool quad, seen_lanes *out) {
+    for (int i = 0; i < (quad ? 4 : 3); i++)
         for (int a = 0; a < 3; a++)
             out->a[i][a] = d_set(s->a[i][a][lane]);
-    for (int k = 0; k < EDGES; k++) {
+    for (int k = 0; k < (quad ? EDGES : EDGE_23); k++) {
         for (int a = 0; a < 3; a++)
             out->normal[k][a] = d_set(s->normal[k][a][lane]);
         out->error[k] = d_set(s->error[k][lane]);
@@ -309,7 +309,7 @@ static void meet_many(flat_tile *w, const seen_lanes *all, unsigned lane, bool q
     unsigned met = 0;
     seen_lanes s;
     met_rays r;
-    spread_lane(all, lane, &s);
+    spread_lane(all, lane, quad, &s);
     memset(r.of, (int)lane, sizeof r.of);
     for (unsigned y = rect.y0; y <= rect.y1; y += SPANS) {
         const unsigned top = y < TILE - SPANS ? y : TILE - SPANS;
@@ -336,7 +336,7 @@ static void meet_many(flat_tile *w, const seen_lanes *all, unsigned lane, bool q
 }
 
 /* A polygon with at most this many rays is tested together with other polygons. */
-enum { FEW = 2 };
+enum { FEW = 4 };
 
 /* Make the polygons of the queue, if they are not there, and test them against their rays. */
 static void walk_queue(flat_tile *w) {
@@ -345,7 +345,6 @@ static void walk_queue(flat_tile *w) {
     unsigned few = 0, many = 0, quads = 0;
     seen_lanes s;
     flat_make_polygons(w, lanes);
-    see_lanes(&q->polygons, w->b.eye, &s);
     for (unsigned k = 0; k < VD_N && k < q->count; k++) {
         const unsigned rays = (unsigned)__builtin_popcount(q->centres[k]);
         const unsigned there = q->polygons.count[k] > 0, is_few = rays > 0 && rays <= FEW;
@@ -354,6 +353,7 @@ static void walk_queue(flat_tile *w) {
         quads |= (unsigned)(q->polygons.count[k] == 4) << k;
     }
     LANE_COUNT(polygons, few | many);
+    see_lanes(&q->polygons, w->b.eye, quads != 0, &s);
     meet_few(w, &s, few, quads);
     for (; many; many &= many - 1) {
         const unsigned k = (unsigned)__builtin_ctz(many);

@@ -7,12 +7,12 @@
 
 #ifdef SIMD_NAME
 
+#include "render/flat/flat_points_template.h"
 #include "render/frame/tile.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/mesh_walk.h"
 #include "render/mesh/tet_normals_template.h"
-#include "render/mesh/tet_points_template.h"
 #include "render/mesh/tet_smooth.h"
 
 enum { TILE = MESH_TILE, TILE_WINDOWS = 0 }; /* for the templates that follow */

@@ -171,7 +171,8 @@ static void take_double(const tile_state *s, tile_surface *known, const tile_sur
 }
 
 /* tile_state_take() for a ray that keeps several surfaces, or has one. */
-static bool take_among_others(tile_state *s, unsigned i, const tile_surface *found) {
+static __attribute__((noinline)) bool take_among_others(tile_state *s, unsigned i,
+                                                        const tile_surface *found) {
     tile_surface *x = surfaces_of(s, i);
     unsigned k = s->count[i];
     if (s->before > 0 && compare(s, found, &s->after[i]) <= 0)
@@ -201,16 +202,22 @@ static bool take_among_others(tile_state *s, unsigned i, const tile_surface *fou
 /* Insert a surface, in order, among the surfaces of ray i. Returns false if it does not count, or
  * is there already. Sets the reach of a ray that is full. The common case is a ray's first and only
  * surface. It is stored member by member: a copy of the struct would wait for members that have
- * just been stored. */
+ * just been stored. So only the other case may take an address. */
 SIMD bool tile_state_take(tile_state *s, unsigned i, tile_surface found) {
-#ifdef TILE_SURFACE_OWN
-    const tile_surface taken = found;
-#else
-    const tile_surface taken = {found.t, found.at, found.local, found.iso, found.entering};
-#endif
-    if (s->layers > 1 || s->before > 0 || s->count[i] > 0)
+    if (s->layers > 1 || s->before > 0 || s->count[i] > 0) {
+        const tile_surface taken = found;
         return take_among_others(s, i, &taken);
-    *surfaces_of(s, i) = taken;
+    }
+    tile_surface *to = surfaces_of(s, i);
+#ifdef TILE_SURFACE_OWN
+    *to = found;
+#else
+    to->t = found.t;
+    to->at = found.at;
+    to->local = found.local;
+    to->iso = found.iso;
+    to->entering = found.entering;
+#endif
     s->count[i] = 1;
     s->deepest = 1;
     s->reach[i] = found.t;

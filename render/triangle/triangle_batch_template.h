@@ -39,10 +39,8 @@ SIMD void frame_triangles(const flat_batch *w, const triangle_blocks *b, framed_
         const vf corner = f_set((float)(((double)bounds[a] - f->centre[a]) * scale));
         vf least = f_set(INFINITY), most = f_set(-INFINITY);
         for (int k = 0; k < TRIANGLE_CORNERS; k++) {
-            _Alignas(64) float of[VF_N];
-            for (unsigned i = 0; i < VF_N; i++)
-                of[i] = b->p[a][l->vertex[k][i]];
-            const vf p = (f_load(of) - lo) * f_set((float)scale) + corner;
+            const vf of = (vf)i_gather(b->p[a], i_load(l->vertex[k]) << 2);
+            const vf p = (of - lo) * f_set((float)scale) + corner;
             least = f_min(least, p);
             most = f_max(most, p);
             f_store(x->p[k][a], p);

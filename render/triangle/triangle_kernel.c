@@ -8,15 +8,19 @@
 #include "render/look/picture_bytes.h"
 
 void triangle_polygon(const triangle *x, flat_polygon *out) {
-    const int first = triangle_first(x->p[0], x->p[1], x->p[2]);
+    uint8_t rank[3];
+    for (int k = 0; k < 3; k++)
+        rank[k] = (uint8_t)(triangle_is_before(x->p[(k + 1) % 3], x->p[k]) +
+                            triangle_is_before(x->p[(k + 2) % 3], x->p[k]));
+    const bool second = triangle_is_before(x->p[1], x->p[0]);
+    const bool third = triangle_is_before(x->p[2], x->p[second]);
+    const uint8_t *from = triangle_corners_from[third ? 2 : second];
     out->count = 3;
     for (int i = 0; i < 4; i++) {
-        const float *p = x->p[(first + 3 - (i < 3 ? i : 2)) % 3];
-        out->edge[i] = 0;
-        for (int k = 0; k < 3; k++) {
-            out->p[i][k] = (double)p[k];
-            out->edge[i] = (uint8_t)(out->edge[i] + triangle_is_before(x->p[k], p));
-        }
+        const int k = from[i < 3 ? i : 2];
+        out->edge[i] = rank[k];
+        for (int a = 0; a < 3; a++)
+            out->p[i][a] = (double)x->p[k][a];
     }
 }
 
@@ -33,15 +37,20 @@ static double shortest_edge(const triangle *x) {
 
 flat_facts triangle_flat_facts(const triangle *x) {
     flat_facts f = {.point = {.span = shortest_edge(x)}};
-    flat_polygon g;
+    double over[4][3]; /* the gradient goes against the right-hand rule */
     flat_across n;
-    triangle_polygon(x, &g);
-    if (!flat_normal((const double(*)[3])g.p, &n))
+    for (int k = 0; k < 3; k++) {
+        over[0][k] = (double)x->p[0][k];
+        over[1][k] = (double)x->p[2][k];
+        over[2][k] = over[3][k] = (double)x->p[1][k];
+    }
+    if (!flat_normal((const double(*)[3])over, &n))
         n = (flat_across){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-    memcpy(f.at, g.p[0], sizeof f.at);
+    memcpy(f.at, over[0], sizeof f.at);
     memcpy(f.error, n.error, sizeof f.error);
     memcpy(f.point.gradient, n.direction, sizeof n.direction);
-    flat_normal_against(f.point.gradient, f.point.normal);
+    for (int k = 0; k < 3; k++)
+        f.point.normal[k] = (float)-n.direction[k];
     return f;
 }
 

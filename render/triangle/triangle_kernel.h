@@ -54,13 +54,9 @@ static inline bool triangle_is_before(const float a[3], const float b[3]) {
     return a[2] < b[2];
 }
 
-/* triangle_first() - the corner of the lowest rank. The triangle is turned over, as rays meet it:
- * its points are corners first, first + 2, first + 1 (mod 3). */
-static inline int triangle_first(const float a[3], const float b[3], const float c[3]) {
-    if (triangle_is_before(b, a))
-        return triangle_is_before(c, b) ? 2 : 1;
-    return triangle_is_before(c, a) ? 2 : 0;
-}
+/* triangle_corners_from - the corners of a triangle turned over, as rays meet it, if this one has
+ * the lowest rank. */
+static const uint8_t triangle_corners_from[3][3] = {{0, 2, 1}, {1, 0, 2}, {2, 1, 0}};
 
 /* triangle_polygon() - the triangle as rays meet it. */
 void triangle_polygon(const triangle *x, flat_polygon *out);

@@ -7,6 +7,7 @@
 
 #ifdef SIMD_NAME
 
+#include "render/triangle/triangle_facts_template.h"
 #include "render/triangle/triangle_tile.h"
 #include "render/triangle/triangle_walk.h"
 #include "stream/triangle_resident.h"
@@ -15,7 +16,7 @@ enum { TILE = TRIANGLE_TILE, TILE_WINDOWS = 0 }; /* for the templates that follo
 
 #include "render/tile/tile_shade_template.h"
 
-/* Slots for the last triangles: neighbouring rays hit the same ones. */
+/* Slots for the last smooth triangles: neighbouring rays hit the same ones. */
 enum { KNOWN_TRIANGLES = 64 };
 
 typedef struct triangle_shading {
@@ -23,7 +24,6 @@ typedef struct triangle_shading {
     tile_pixels pixels;
     const treelet *at[KNOWN_TRIANGLES]; /* NULL: the slot is empty */
     uint32_t local[KNOWN_TRIANGLES];
-    flat_facts facts[KNOWN_TRIANGLES];
     triangle_smooth smooth[KNOWN_TRIANGLES];
 } triangle_shading;
 
@@ -46,21 +46,16 @@ static triangle triangle_met(const tile_surface *x) {
     return triangle_walk_one(&resident_triangles_of(x->at)->blocks, x->local);
 }
 
-/* Returns the slot of a surface's triangle, filled when first needed. */
-static unsigned slot_of(triangle_shading *m, const tile_surface *x) {
+/* Returns what is known of a smooth triangle, found out when first needed. */
+static const triangle_smooth *smooth_of(triangle_shading *m, const tile_surface *x) {
     const unsigned k = x->local % KNOWN_TRIANGLES;
     if (m->at[k] != x->at || m->local[k] != x->local) {
         const triangle met = triangle_met(x);
         m->at[k] = x->at;
         m->local[k] = x->local;
-        m->facts[k] = triangle_flat_facts(&met);
         m->smooth[k] = triangle_smooth_of(&met);
     }
-    return k;
-}
-
-static const flat_facts *facts_of(triangle_shading *m, const tile_surface *x) {
-    return &m->facts[slot_of(m, x)];
+    return &m->smooth[k];
 }
 
 static ray triangle_ray(const triangle_shading *m, unsigned i) {
@@ -73,33 +68,74 @@ static ray triangle_ray(const triangle_shading *m, unsigned i) {
     return r;
 }
 
-static void triangle_normals(void *work, const tile_layer *l, tile_normals normal) {
-    triangle_shading *m = work;
-    for (unsigned i = 0; i < TILE_RAYS; i++) {
-        if (!in_layer(l, i))
+/* Collect the triangles of surfaces of the rays `which`, a bit each, of VD_N rays from i on. The
+ * other lanes have none. */
+SIMD void columns_of(const tile_layer *l, unsigned i, unsigned which, triangle_columns *c) {
+    if (which != (1u << VD_N) - 1u)
+        memset(c, 0, sizeof *c);
+    for (; which; which &= which - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(which);
+        const tile_surface *x = surface_of(l, i + k);
+        triangle_columns_put(c, k, &resident_triangles_of(x->at)->blocks, x->local);
+    }
+}
+
+/* Bend the normals of smooth triangles. */
+static void smooth_normals(triangle_shading *m, const tile_layer *l, unsigned i, unsigned which,
+                           tile_normals normal) {
+    for (; which; which &= which - 1) {
+        const unsigned n = i + (unsigned)__builtin_ctz(which);
+        const tile_surface *x = surface_of(l, n);
+        if (!resident_triangles_of(x->at)->blocks.normals)
             continue;
-        const tile_surface *x = surface_of(l, i);
-        const unsigned k = slot_of(m, x);
-        float n[3];
-        memcpy(n, m->facts[k].point.normal, sizeof n);
-        if (m->smooth[k].any) {
-            const ray r = triangle_ray(m, i);
-            triangle_smooth_normal(&m->smooth[k], &r, x->t, n);
-        }
+        const triangle_smooth *smooth = smooth_of(m, x);
+        if (!smooth->any)
+            continue;
+        const ray r = triangle_ray(m, n);
+        float of[3] = {normal[0][n], normal[1][n], normal[2][n]};
+        triangle_smooth_normal(smooth, &r, x->t, of);
         for (int a = 0; a < 3; a++)
-            normal[a][i] = n[a];
+            normal[a][n] = of[a];
+    }
+}
+
+static void triangle_normals(void *work, const tile_layer *l, tile_normals normal) {
+    for (unsigned i = 0; i < TILE_RAYS; i += VD_N) {
+        const unsigned which = hits_from(l, i, VD_N);
+        triangle_columns c;
+        point_columns facts;
+        if (!which)
+            continue;
+        columns_of(l, i, which, &c);
+        triangle_facts(&c, &facts);
+        for (int a = 0; a < 3; a++)
+            d_store_floats(normal[a] + i, d_set(-0.0) - facts.gradient[a]);
+        smooth_normals(work, l, i, which, normal);
     }
 }
 
 static void triangle_starts(void *work, const tile_layer *l, unsigned i, unsigned which,
                             surface_point to[]) {
-    triangle_shading *m = work;
-    for (unsigned left = which; left; left &= left - 1) {
-        const unsigned n = i + (unsigned)__builtin_ctz(left);
-        const tile_surface *x = surface_of(l, n);
-        const ray r = triangle_ray(m, n);
-        const hit h = {.t = x->t};
-        *to++ = flat_point_at(facts_of(m, x), &r, &h);
+    const triangle_shading *m = work;
+    double t[VD_N] = {0.0}, span[VD_N], gradient[3][VD_N], error[VD_N];
+    triangle_columns c;
+    point_columns facts;
+    columns_of(l, i, which, &c);
+    triangle_facts(&c, &facts);
+    for (unsigned left = which; left; left &= left - 1)
+        t[__builtin_ctz(left)] = surface_of(l, i + (unsigned)__builtin_ctz(left))->t;
+    facts.t = d_load(t);
+    for (int a = 0; a < 3; a++) {
+        facts.d[a] = d_load(m->s->rays.d[a] + i);
+        d_store(gradient[a], facts.gradient[a]);
+    }
+    point_errors(&facts, m->s->f->projection->eye, error);
+    d_store(span, triangle_spans(&c));
+    for (unsigned left = which; left; left &= left - 1, to++) {
+        const unsigned k = (unsigned)__builtin_ctz(left);
+        *to = (surface_point){.error = error[k], .span = span[k]};
+        for (int a = 0; a < 3; a++)
+            to->gradient[a] = gradient[a][k];
     }
 }
 

@@ -8,6 +8,7 @@
 #ifdef SIMD_NAME
 
 #include "render/triangle/triangle_shade_template.h"
+#include "render/triangle/triangle_turn_template.h"
 
 #include "render/tile/tile_boxes_template.h"
 
@@ -48,7 +49,7 @@ typedef struct triangles_in_view {
 
 /* Positions, and the eye's in double, are relative to the treelet's lower corner. So the error is a
  * few units of 2^-24 of the distance and of the treelet's size. */
-SIMD void view_triangles(const flat_tile *w, const triangle_blocks *b, const triangle_lanes *l,
+SIMD void view_triangles(const flat_tile *w, const triangle_blocks *b, const vf corner[3][3],
                          triangles_in_view *v) {
     const projection *p = w->b.view.p;
     const float *bounds = b->tree.bounds[b->tree.levels - 1][0];
@@ -60,11 +61,8 @@ SIMD void view_triangles(const flat_tile *w, const triangle_blocks *b, const tri
         vf away = f_set(size);
         v->x[k] = v->y[k] = v->w[k] = f_set(0.0f);
         for (int a = 0; a < 3; a++) {
-            const float lo = bounds[a], *x = b->p[a];
-            _Alignas(64) float at[VF_N];
-            for (unsigned i = 0; i < VF_N; i++)
-                at[i] = x[l->vertex[k][i]];
-            const vf q = (f_load(at) - f_set(lo)) - f_set((float)(w->b.eye[a] - (double)lo));
+            const float lo = bounds[a];
+            const vf q = (corner[k][a] - f_set(lo)) - f_set((float)(w->b.eye[a] - (double)lo));
             v->x[k] = v->x[k] + f_set(p->axis[a][0]) * q;
             v->y[k] = v->y[k] + f_set(p->axis[a][1]) * q;
             v->w[k] = v->w[k] + f_set(p->axis[a][2]) * q;
@@ -126,20 +124,14 @@ SIMD unsigned covers_of(const flat_tile *w, const triangle_lanes *l, const trian
     return mf_bits(mf_and_not(alive, none));
 }
 
-/* Queue a lane's triangle: triangle_polygon(). Flush when the queue is full. */
-SIMD void put_triangle(flat_tile *w, const triangle_blocks *b, const triangle_lanes *l,
-                       unsigned lane, tile_rect rect, uint32_t centres) {
+/* Queue a lane's triangle. Flush when the queue is full. */
+SIMD void put_triangle(flat_tile *w, const turned_triangles *t, unsigned lane, tile_rect rect,
+                       uint32_t centres) {
     flat_queue *q = &w->queue;
     const unsigned to = q->count++;
-    triangle x;
-    flat_polygon g;
-    for (int i = 0; i < 3; i++)
-        for (int a = 0; a < 3; a++)
-            x.p[i][a] = b->p[a][l->vertex[i][lane]];
-    triangle_polygon(&x, &g);
-    polygon_lanes_put(&q->polygons, to, &g);
+    turned_put(t, lane, &q->polygons, to);
     q->at[to] = w->at;
-    q->local[to] = l->local[lane];
+    q->local[to] = w->lanes.local[lane];
     q->iso[to] = 0;
     q->rect[to] = rect;
     q->centres[to] = centres;
@@ -151,19 +143,22 @@ SIMD void put_triangle(flat_tile *w, const triangle_blocks *b, const triangle_la
 static void walk_lanes(flat_tile *w) {
     const triangle_blocks *b = &resident_triangles_of(w->at)->blocks;
     triangle_lanes *l = &w->lanes;
+    turned_triangles turned;
     triangles_in_view view;
     flat_covers covers;
+    vf corner[3][3];
     for (unsigned k = l->count; k < VF_N; k++)
         for (int v = 0; v < 3; v++)
             l->vertex[v][k] = l->vertex[v][0];
-    view_triangles(w, b, l, &view);
+    turn_triangles(b, (const uint32_t(*)[VF_N])l->vertex, corner, &turned);
+    view_triangles(w, b, (const vf(*)[3])corner, &view);
     for (unsigned left = covers_of(w, l, &view, &covers); left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left);
         const float near2 = covers.depth[k] * covers.depth[k];
         const tile_rect rect = covers.rect[k];
         const uint32_t centres = centres_in_sight(w, rect, covers.centres[k], near2);
         if (centres || (!covers.centres[k] && in_sight(&w->b, rect, near2)))
-            put_triangle(w, b, l, k, rect, centres);
+            put_triangle(w, &turned, k, rect, centres);
     }
     w->b.s.counters->cells += l->count;
     l->count = 0;

@@ -13,8 +13,8 @@
 
 #include "tests/support/simd_wide.h"
 
+#include "render/flat/flat_points_template.h"
 #include "render/mesh/tet_normals_template.h"
-#include "render/mesh/tet_points_template.h"
 #include "render/mesh/tet_polygons_template.h"
 #include "tests/support/fields.h"
 #include "tests/support/watched.h"
@@ -161,7 +161,7 @@ static void test_same_edges(void **state) {
             } while (!isopolygon_of(&x, 0.0, &g[k]));
             polygon_lanes_put(&lanes, k, &g[k]);
         }
-        see_lanes(&lanes, o, &s);
+        see_lanes(&lanes, o, true, &s);
         for (unsigned k = 0; k < VD_N; k++)
             for (int e = 0; e < (g[k].count == 4 ? EDGES : EDGE_23); e++, edges++)
                 compare_edge(&g[k], ends[e][0], ends[e][1], o, d, &s, e, k);

@@ -1,22 +1,23 @@
-/* tet_points_template.h - flat_point_at() for many rays at a time, to the bit; included by the
+/* flat_points_template.h - flat_point_at() for many rays at a time, to the bit; included by the
  * units of an ISA (see formats/base/simd.h). */
-#ifndef RENDER_MESH_TET_POINTS_TEMPLATE_H
-#define RENDER_MESH_TET_POINTS_TEMPLATE_H
+#ifndef RENDER_FLAT_FLAT_POINTS_TEMPLATE_H
+#define RENDER_FLAT_FLAT_POINTS_TEMPLATE_H
 
 #include "formats/base/simd.h"
 
 #ifdef SIMD_NAME
 
 #include <float.h>
+#include <math.h>
 
-#include "render/mesh/tet_kernel.h"
+#include "render/flat/flat_point.h"
 
-/* The facts of the tets that VD_N rays have hit, a lane each, and the rays' hits. */
+/* The facts of the polygons that VD_N rays have hit, a lane each, and the rays' hits. */
 typedef struct point_columns {
     vd at[3], gradient[3], error[3], slack, d[3], t;
 } point_columns;
 
-/* Set the facts of these lanes (bits), which have hit one tet. */
+/* Set the facts of these lanes (bits), which have hit one polygon. */
 SIMD void point_columns_put(point_columns *c, unsigned lanes, const flat_facts *f) {
     const md in = md_of_bits(lanes);
     for (int k = 0; k < 3; k++) {
