@@ -6,6 +6,7 @@
 
 #include "formats/base/num.h"
 #include "formats/input/named_file.h"
+#include "render/ray/kind.h"
 #include "render/ray/open_volume.h"
 
 void colour_by_close(colour_by *b) {
@@ -64,19 +65,6 @@ static status open_other(colour_by *b, const view_options *v) {
     return status_describe(st, "--colour-by %s: %s", v->colour_by, why);
 }
 
-/* Terrain is made of its field: another one would be another terrain. Its cells lie in rows, those
- * of other surfaces do not. */
-static status check_given(const colour_by *b, const view_options *v) {
-    uint32_t index[3];
-    if (leafcast_cell_indices(b->of, 0, 0, index) == 0)
-        return ST_OK;
-    return status_describe(
-        ST_USAGE,
-        "--colour-by %s: fields of terrain are elevations, by which it cannot be "
-        "coloured; a file of a volume can colour it",
-        v->colour_by);
-}
-
 static status open_any(colour_by *b, const view_options *v) {
     char why[STATUS_TEXT_MAX];
     uint32_t field;
@@ -91,8 +79,8 @@ static status open_any(colour_by *b, const view_options *v) {
                                      v->colour_by, why);
     }
     b->field = field;
-    if (leafcast_describe(b->of).abilities & LEAFCAST_ABILITY_GIVEN)
-        return check_given(b, v);
+    if (b->of->kind->given && !b->of->kind->draped) /* its values lie on it */
+        return ST_OK;
     return open_on(b, file_path(b->of->file->source));
 }
 
@@ -127,10 +115,10 @@ status colour_by_find(colour_by *b, const view_options *v, leafcast_axes world,
         snprintf(b->name, sizeof b->name, "%s", st == ST_OK ? v->colour_by : "");
     }
     if (st == ST_OK && b->same && b->volume && b->field == shown->field)
-        st = status_describe(ST_USAGE,
-                             "--colour-by %s: that is the field whose isosurfaces are shown, each "
-                             "of one value",
-                             v->colour_by);
+        st = status_describe(ST_USAGE, "--colour-by %s: that is the field whose %s", v->colour_by,
+                             b->of->kind->given
+                                 ? "elevations are shown: --colour-map alone colours by them"
+                                 : "isosurfaces are shown, each of one value");
     if (st != ST_OK)
         return st;
     *out = (leafcast_colouring){.volume = b->volume, .field = b->field};

@@ -540,6 +540,11 @@ status arguments_check_values(const char *call, const leafcast *v) {
                            leafcast_describe(v).name, v->kind->name);
 }
 
+status arguments_check_points(const char *call, const leafcast *v) {
+    const status st = arguments_check_volume(call, v);
+    return st != ST_OK || v->kind->draped ? st : arguments_check_values(call, v);
+}
+
 status arguments_check_options(const leafcast_options *o) {
     return public_fields_check(&options_table, o);
 }

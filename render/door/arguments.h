@@ -22,8 +22,10 @@ CHECKED status arguments_check_volume(const char *call, const leafcast *v);
 CHECKED status arguments_check_device(const char *call, const leafcast_device *d);
 
 /* arguments_check_values() - arguments_check_volume(), and that the volume is no surface itself
- * (LEAFCAST_ABILITY_GIVEN), which has values on it alone. */
+ * (LEAFCAST_ABILITY_GIVEN), which has values on it alone. arguments_check_points() - that it has
+ * values at points: all do, but for such a surface that lies over no plane. */
 CHECKED status arguments_check_values(const char *call, const leafcast *v);
+CHECKED status arguments_check_points(const char *call, const leafcast *v);
 
 CHECKED status arguments_check_options(const leafcast_options *options);
 CHECKED status arguments_check_scene(const leafcast_scene *scene); /* without its groups */

@@ -289,7 +289,7 @@ static status probe_point(leafcast *v, const double point[3], leafcast_sample *s
 }
 
 leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
-    status st = arguments_check_values(__func__, v);
+    status st = arguments_check_points(__func__, v);
     if (st == ST_OK)
         st = public_needs(__func__, "point sample", (const void *[]){point, sample});
     if (st != ST_OK)

@@ -107,7 +107,7 @@ static status check_colouring(const leafcast *v, const leafcast_scene *scene, in
     if (by->volume->device != v->device)
         return status_describe(ST_USAGE, "what colours volume %d of the scene is on another device",
                                i + 1);
-    if (by->volume->kind->given)
+    if (by->volume->kind->given && !by->volume->kind->draped)
         return status_describe(ST_USAGE,
                                "what colours volume %d of the scene, of %s, is a surface itself: "
                                "it has no values at points",

@@ -44,7 +44,7 @@ static leafcast_status sample(point_samples *p, leafcast_stats *stats) {
 leafcast_status leafcast_sample_points(leafcast *v, const double (*points)[3], size_t count,
                                        leafcast_sample *samples) {
     point_list list = {points, samples};
-    status st = arguments_check_values(__func__, v);
+    status st = arguments_check_points(__func__, v);
     if (st == ST_OK && count > 0)
         st = public_needs(__func__, "points samples", (const void *[]){points, samples});
     if (st == ST_OK)

@@ -370,23 +370,6 @@ static uint32_t cell_owning(const double *at, uint32_t cells, double x) {
     return lo;
 }
 
-/* Returns a bound of the rounding error of a world-space point near the volume, on a grid axis: of
- * the point itself, of the transform to grid space and of the transform back. */
-static double rounding_of(const leafcast *v, const double point[3], int a) {
-    const affine *space = &v->space;
-    double sum = 0.0;
-    for (int i = 0; i < 3; i++) {
-        double size = fabs(point[i]) + fabs(space->to_world[i][3]);
-        for (int b = 0; b < 3; b++) {
-            const double *axis = v->file->axis[b];
-            size += fabs(space->to_world[i][b]) *
-                    fmax(fabs(axis[0]), fabs(axis[v->file->header.dims[b] - 1]));
-        }
-        sum += fabs(space->to_grid[a][i]) * size;
-    }
-    return 4.0 * DBL_EPSILON * sum;
-}
-
 /* A point in its cell of a level. */
 typedef struct cell_point {
     uint32_t cell[3];
@@ -397,14 +380,18 @@ typedef struct cell_point {
  * brought out of the volume counts as on its border. */
 static bool find_cell(const leafcast *v, uint32_t level, const double point[3], cell_point *out) {
     const level_planes *planes = &grid_of(v)->planes.levels[level];
-    double grid[3];
+    double grid[3], far[3];
     affine_point_to_grid(&v->space, point, grid);
+    for (int a = 0; a < 3; a++) {
+        const double *axis = v->file->axis[a];
+        far[a] = fmax(fabs(axis[0]), fabs(axis[v->file->header.dims[a] - 1]));
+    }
     for (int a = 0; a < 3; a++) {
         const double *axis = v->file->axis[a];
         const double lo = axis[0], hi = axis[v->file->header.dims[a] - 1];
         double x = grid[a];
         if (!(x >= lo && x <= hi)) {
-            const double slack = rounding_of(v, point, a);
+            const double slack = affine_grid_rounding(&v->space, point, far, a);
             if (!(x >= lo - slack && x <= hi + slack && slack < (double)INFINITY))
                 return false;
             x = x < lo ? lo : hi;

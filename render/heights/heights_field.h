@@ -102,9 +102,9 @@ static inline double heights_hit_slope(const affine *space, const heights_patch 
     const double u = heights_share(r->o[0], r->d[0], t, p->x, p->inverse);
     const double v = heights_share(r->o[2], r->d[2], t, p->z, p->inverse);
     double length = 0.0;
-    slope[0] = ((p->h[1] - p->h[0]) * (1.0 - v) + (p->h[3] - p->h[2]) * v) * p->inverse;
+    slope[0] = heights_patch_slope(p, 0, v);
     slope[1] = -1.0;
-    slope[2] = ((p->h[2] - p->h[0]) * (1.0 - u) + (p->h[3] - p->h[1]) * u) * p->inverse;
+    slope[2] = heights_patch_slope(p, 1, u);
     affine_gradient_to_world(space, slope, gradient);
     for (int a = 0; a < 3; a++)
         length += gradient[a] * gradient[a];

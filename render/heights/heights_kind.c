@@ -1,5 +1,8 @@
 #include "render/heights/heights_kind.h"
 
+#include <math.h>
+#include <string.h>
+
 #include "formats/base/box3.h"
 #include "render/heights/heights_tile.h"
 #include "render/heights/heights_walk.h"
@@ -249,17 +252,6 @@ static void no_extreme_near(const tracer *tr, const treelet *at, const ray *r, d
     (void)tr, (void)at, (void)r, (void)t, (void)s, (void)counters;
 }
 
-static uint32_t no_treelet_at(const leafcast *v, uint32_t level, const double point[3],
-                              uint32_t after) {
-    (void)v, (void)level, (void)point, (void)after;
-    return LEAF_NO_TREELET;
-}
-
-static void no_cell_in(const leafcast *v, const treelet *at, const double point[3],
-                       leafcast_sample *out) {
-    (void)v, (void)at, (void)point, (void)out;
-}
-
 static segments_error no_error(const tracer *tr, const ray *r, const double range[2]) {
     (void)tr, (void)r, (void)range;
     return (segments_error){.t = 0.0};
@@ -269,6 +261,69 @@ static void no_gradient(const tracer *tr, const treelet *at, const ray *r, const
                         segment_gradient *out) {
     (void)tr, (void)at, (void)r, (void)s;
     *out = (segment_gradient){0};
+}
+
+/* ---- Points: of whatever height ---- */
+
+/* A place in its cell of a level, along axes 0 and 2. */
+typedef struct plan_place {
+    uint32_t cell[2];
+    double at[2];
+} plan_place;
+
+/* Find the cell above or below a world-space point. Returns false beside the lattice. A point that
+ * rounding has brought out of it counts as on its border. */
+static bool find_place(const leafcast *v, uint32_t level, const double point[3], plan_place *out) {
+    const uint32_t *dims = v->file->header.dims, *cells = v->file->layout.level[level].cells;
+    const double inverse = ldexp(1.0, -(int)level), far[3] = {dims[0], 0.0, dims[2]};
+    double grid[3];
+    affine_point_to_grid(&v->space, point, grid);
+    for (int k = 0; k < 2; k++) {
+        const int a = 2 * k;
+        const double most = dims[a] - 1.0;
+        const double slack = affine_grid_rounding(&v->space, point, far, a);
+        if (!(grid[a] >= -slack && grid[a] <= most + slack && slack < (double)INFINITY))
+            return false;
+        const double x = fmin(fmax(grid[a], 0.0), most) * inverse;
+        out->cell[k] = x < cells[a] ? (uint32_t)x : cells[a] - 1;
+        out->at[k] = x - out->cell[k];
+    }
+    return true;
+}
+
+static uint32_t heights_treelet_at(const leafcast *v, uint32_t level, const double point[3],
+                                   uint32_t after) {
+    const leaf_layout *l = &v->file->layout;
+    plan_place p;
+    if (after != LEAF_NO_TREELET || !find_place(v, level, point, &p))
+        return LEAF_NO_TREELET;
+    const uint32_t place[3] = {p.cell[0] >> l->cells_log2, 0, p.cell[1] >> l->cells_log2};
+    return leaf_layout_find(l, level, place);
+}
+
+static heights_block block_in(const leafcast *v, const treelet *at) {
+    const tracer tr = {
+        .own = v->own, .layout = &v->file->layout, .treelets = v->treelets, .set = v->set};
+    return heights_block_of(&tr, at);
+}
+
+static void heights_cell_in(const leafcast *v, const treelet *at, const double point[3],
+                            leafcast_sample *out) {
+    const heights_block b = block_in(v, at);
+    plan_place p;
+    heights_patch x;
+    if (!find_place(v, b.of->level, point, &p))
+        return;
+    const uint32_t i = p.cell[0] - b.of->first_cell[0], k = p.cell[1] - b.of->first_cell[2];
+    const bool whole = heights_block_patch(&b, i, k, &x);
+    const double slope[3] = {heights_patch_slope(&x, 0, p.at[1]), 0.0,
+                             heights_patch_slope(&x, 1, p.at[0])};
+    *out = (leafcast_sample){.inside = true, .treelet = at->id};
+    out->cell = heights_block_cell(&b, i, k);
+    memcpy(out->at, p.at, sizeof p.at);
+    out->value = whole ? heights_patch_at(x.h, p.at[0], p.at[1]) : (double)NAN;
+    out->nearest = x.h[(p.at[0] >= 0.5) + 2 * (p.at[1] >= 0.5)];
+    affine_gradient_to_world(&v->space, slope, out->gradient);
 }
 
 /* ---- Cells ---- */
@@ -304,12 +359,11 @@ static status heights_cell_corners(leafcast *v, uint32_t level, uint64_t number,
                                (unsigned long long)l->level[level].cells[0] *
                                    l->level[level].cells[2]);
     const uint32_t place[3] = {index[0] >> l->cells_log2, 0, index[1] >> l->cells_log2};
-    const tracer tr = {.own = v->own, .layout = l, .treelets = v->treelets, .set = v->set};
     const treelet *at;
     const status st = volume_treelet(v, leaf_layout_find(l, level, place), &at);
     if (st != ST_OK)
         return st;
-    const heights_block b = heights_block_of(&tr, at);
+    const heights_block b = block_in(v, at);
     heights_patch p;
     (void)heights_block_patch(&b, index[0] - b.of->first_cell[0], index[1] - b.of->first_cell[2],
                               &p);
@@ -331,11 +385,12 @@ static const kind_walks walks = {.active_box = heights_active_box,
                                  .extreme_ways = no_ways,
                                  .extreme = no_extreme,
                                  .extreme_near = no_extreme_near,
-                                 .treelet_at = no_treelet_at};
+                                 .treelet_at = heights_treelet_at};
 
 const kind heights_kind = {.name = "heights",
                            .cell = "patch",
                            .given = true,
+                           .draped = true,
                            .open = heights_open,
                            .close = heights_close,
                            .describe = heights_describe,
@@ -345,7 +400,7 @@ const kind heights_kind = {.name = "heights",
                            .degree = 1,
                            .segments_error = no_error,
                            .gradient = no_gradient,
-                           .cell_in = no_cell_in,
+                           .cell_in = heights_cell_in,
                            .tiles = &tiles,
                            .cell_of_hit = heights_cell_of_hit,
                            .cell_indices = heights_cell_indices,

@@ -46,6 +46,13 @@ static inline double heights_patch_at(const double h[4], double u, double v) {
     return first * (1.0 - v) + last * v;
 }
 
+/* heights_patch_slope() - how steeply it rises: axis 0, along u at v (other); 1, along v at u. */
+static inline double heights_patch_slope(const heights_patch *p, int axis, double other) {
+    const double *h = p->h;
+    const int across = axis ? 2 : 1, along = axis ? 1 : 2;
+    return ((h[across] - h[0]) * (1.0 - other) + (h[3] - h[along]) * other) * p->inverse;
+}
+
 /* heights_margin() - how far beyond the least and the greatest height the side of a ray that starts
  * at elevation `from` is certain. */
 static inline double heights_margin(double least, double most, double from) {

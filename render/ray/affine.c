@@ -1,5 +1,6 @@
 #include "render/ray/affine.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -36,6 +37,18 @@ void affine_point_to_grid(const affine *a, const double world[3], double grid[3]
     const double from_origin[3] = {world[0] - a->to_world[0][3], world[1] - a->to_world[1][3],
                                    world[2] - a->to_world[2][3]};
     affine_vector_to_grid(a, from_origin, grid);
+}
+
+double affine_grid_rounding(const affine *a, const double world[3], const double grid[3],
+                            int axis) {
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double size = fabs(world[i]) + fabs(a->to_world[i][3]);
+        for (int b = 0; b < 3; b++)
+            size += fabs(a->to_world[i][b]) * grid[b];
+        sum += fabs(a->to_grid[axis][i]) * size;
+    }
+    return 4.0 * DBL_EPSILON * sum;
 }
 
 double affine_unit(const affine *a, int axis) {

@@ -14,6 +14,11 @@ void affine_point_to_world(const affine *a, const double grid[3], double world[3
 void affine_point_to_grid(const affine *a, const double world[3], double grid[3]);
 void affine_vector_to_grid(const affine *a, const double world[3], double grid[3]);
 
+/* affine_grid_rounding() - how far rounding may bring a coordinate of affine_point_to_grid() off,
+ * and bring a point of grid space with these moduli of coordinates off that was taken to world
+ * space. */
+double affine_grid_rounding(const affine *a, const double world[3], const double grid[3], int axis);
+
 /* affine_unit() - the world length of one unit of grid space along an axis. */
 double affine_unit(const affine *a, int axis);
 

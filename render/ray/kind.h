@@ -94,6 +94,9 @@ typedef struct kind {
      * finite. Isovalues do not matter: the first surface that is selected says how it looks. It has
      * no pieces, no extremes, and holds no points. */
     bool given;
+    /* A surface that lies over a plane, a value to each place of it: a point has the value at its
+     * own place, whether it is above or below. */
+    bool draped;
 
     /* ---- An open volume ---- */
 

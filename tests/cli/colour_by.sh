@@ -55,6 +55,12 @@ for s in (0, 1):
         print("CELL_TYPES", len(cells), file=f)
         print("10\n" * len(cells), end="", file=f)
         data(f, s, ("speed", "heat"))
+with open(folder + "/fields.vtk", "w") as f:
+    head(f, "STRUCTURED_POINTS")
+    print("DIMENSIONS 6 5 1\nORIGIN 0 0 0\nSPACING 3 3 1\nPOINT_DATA 30", file=f)
+    for name, value in (("height", lambda i, j: 8 + (i - j) % 3), ("rain", lambda i, j: i * j)):
+        print("SCALARS", name, "float 1\nLOOKUP_TABLE default", file=f)
+        for n in range(30): print(value(n % 6, n // 6), file=f)
 with open(folder + "/sheet.ply", "w") as f:
     print("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z", file=f)
     print("property float load\nproperty float age\nelement face 2\nproperty list uchar int vertex_indices\nend_header", file=f)
@@ -71,6 +77,9 @@ exits "a step of both" 0 "$leafcast" convert "$tmp/both_1.vtk" --fields all -q -
 exits "gradients" 0 "$leafcast" convert "$tmp/tets_0.vtk" --gradients -q -o "$tmp/smooth.leaf"
 printf 'ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 8\n7 8 9\n8 9 10\n9 8 7\n' >"$tmp/hill.asc"
 exits "terrain" 0 "$leafcast" convert "$tmp/hill.asc" -q -o "$tmp/hill.leaf"
+printf 'ncols 5\nnrows 4\nxllcorner 1\nyllcorner 2\ncellsize 3.5\n1 2 3 4 5\n9 8 7 -9999 1\n1 2 9 4 6\n4 3 2 1 0\n' >"$tmp/rain.asc"
+exits "terrain with two fields" 0 "$leafcast" convert "$tmp/fields.vtk" --heights --fields all -q -o "$tmp/fields.leaf"
+exits "a raster to drape" 0 "$leafcast" convert "$tmp/rain.asc" -q -o "$tmp/rain.leaf"
 exits "triangles" 0 "$leafcast" convert "$tmp/sheet.ply" --fields all -q -o "$tmp/sheet.leaf"
 
 # ---- a field of the same file, or the same of another ----
@@ -115,6 +124,17 @@ view='--eye 50,40,34 --look-at 8,8,8'
     draw hill "$tmp/hill.leaf" $view
     draw hill_heat "$tmp/hill.leaf" --colour-by "$tmp/heat.leaf" $view
     differ hill_heat hill
+    draw draped "$tmp/hill.leaf" --colour-by "$tmp/rain.leaf" $view
+    differ draped hill
+    draw draped_little "$tmp/hill.leaf" --colour-by "$tmp/rain.leaf" $view --treelet-limit 1 --threads 3
+    same draped_little draped
+    draw own_field "$tmp/fields.leaf" --colour-by rain $view
+    draw own_shape "$tmp/fields.leaf" $view
+    draw other_field "$tmp/fields.leaf" --colour-by "$tmp/fields.leaf:rain" $view
+    differ own_field own_shape
+    same other_field own_field
+    draw over_grid "$tmp/both.leaf" --iso 6 --colour-by "$tmp/rain.leaf" $view
+    differ over_grid own
 
     # ---- steps ----
     draw later "$tmp/both.leaf" --step 1 --iso 6 --colour-by heat $view
@@ -174,6 +194,10 @@ exits "a line to run again" 0 "$leafcast" probe "$tmp/both.leaf" --iso 6 --at 30
 ok "names it" grep -q '^rerun: .*--colour-by heat' "$tmp/out"
 exits "statistics" 0 "$leafcast" render "$tmp/both.leaf" --iso 6 --colour-by heat --size 60x50 --json -q
 ok "name it" grep -q '"colour_by": "heat"' "$tmp/out"
+exits "a place between two rows" 0 "$leafcast" probe "$tmp/rain.leaf" --point 6.25,5.5,99 --json
+ok "has the value between ($(probe 'repr(x["value"])'))" [ "$(probe 'x["value"] == 2.5')" = True ]
+exits "a place beside it" 0 "$leafcast" probe "$tmp/rain.leaf" --point 0,4,0 --json
+ok "has none" [ "$(probe 'x["inside"]')" = False ]
 exits "a legend" 0 "$leafcast" render "$tmp/both.leaf" --iso 6 --colour-by heat --size 200x200 --legend -q -o "$tmp/legend.ppm"
 exits "none" 0 "$leafcast" render "$tmp/both.leaf" --iso 6 --colour-by heat --size 200x200 -q -o "$tmp/bare.ppm"
 ok "is drawn" [ "$(cmp -l "$tmp/legend.ppm" "$tmp/bare.ppm" | wc -l)" -gt 2000 ]
@@ -238,7 +262,7 @@ done <<'X'
 X
 ok "an input stays" cmp "$tmp/heat.leaf" "$tmp/heat.ppm"
 exits "terrain by its elevation" 2 "$leafcast" render "$tmp/hill.leaf" --colour-by 0 --size 8x8 -o "$tmp/x.ppm"
-ok "is told" says "fields of terrain are elevations"
+ok "is told" says "that is the field whose elevations are shown"
 exits "a projection" 2 "$leafcast" render "$tmp/both.leaf" --project max --colour-by heat --size 8x8 -o "$tmp/x.ppm"
 ok "has no surface" says "--colour-by: there is no surface without --iso"
 exits "steps of others" 0 "$leafcast" convert "$tmp/heat_0.vtk" "$tmp/heat_1.vtk" --times 3,4 -q -o "$tmp/timed.leaf"

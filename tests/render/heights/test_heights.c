@@ -107,6 +107,102 @@ static void test_file(void **state) {
         }
 }
 
+/* ---- Points ---- */
+
+/* The value and its slopes at a place, and how far a computed value may be off. */
+typedef struct height_there {
+    long double value, slope[2], error;
+    float nearest;
+    bool inside, on_line; /* of nodes, or all but on one: of two cells one decides */
+} height_there;
+
+static height_there height_there_at(const heights_truth *h, const double point[3]) {
+    height_there out = {.inside = true};
+    long double at[2];
+    int cell[2];
+    for (int a = 0; a < 2; a++) {
+        const long double most = (a ? h->ny : h->nx) - 1;
+        const long double x =
+            ((long double)point[a] - (long double)h->origin[a]) / (long double)h->spacing[a];
+        const long double slack =
+            0x1p-46L * (1 + (fabsl((long double)point[a]) + fabsl((long double)h->origin[a])) /
+                                fabsl((long double)h->spacing[a]));
+        out.inside &= x >= -slack && x <= most + slack;
+        out.on_line |= fabsl(x - roundl(x)) < slack;
+        out.error = fmaxl(out.error, slack);
+        cell[a] = (int)fmaxl(0, fminl(floorl(x), most - 1));
+        at[a] = x - cell[a];
+    }
+    if (!out.inside)
+        return out;
+    const float *p = h->heights + cell[0] + h->nx * cell[1];
+    const long double a = (long double)p[0], b = (long double)p[1], c = (long double)p[h->nx],
+                      d = (long double)p[h->nx + 1];
+    const long double size = fmaxl(fmaxl(fabsl(a), fabsl(b)), fmaxl(fabsl(c), fabsl(d)));
+    out.value = (1 - at[1]) * ((1 - at[0]) * a + at[0] * b) + at[1] * ((1 - at[0]) * c + at[0] * d);
+    out.nearest = p[(at[0] >= 0.5L) + h->nx * (at[1] >= 0.5L)];
+    out.slope[0] = ((1 - at[1]) * (b - a) + at[1] * (d - c)) / (long double)h->spacing[0];
+    out.slope[1] = ((1 - at[0]) * (c - a) + at[0] * (d - b)) / (long double)h->spacing[1];
+    out.error *= 8 * size;
+    return out;
+}
+
+/* A place on the lattice, beyond it, on a node, on a line; at any height. */
+static void any_point(const heights_truth *h, field_random *r, double point[3]) {
+    const long sort = field_random_below(r, 4);
+    for (int a = 0; a < 2; a++) {
+        const double most = (a ? h->ny : h->nx) - 1.0;
+        double x = field_random_in(r, -0.05, 1.05) * most;
+        if (sort == 1 || (sort == 2 && a == 0))
+            x = (double)field_random_below(r, (long)most + 1);
+        point[a] = h->origin[a] + x * h->spacing[a];
+    }
+    point[2] = field_random_in(r, -2.0, 2.0) * h->spacing[0];
+}
+
+/* Of any height, points have the elevation at their place. */
+static void test_points(void **state) {
+    (void)state;
+    enum { POINTS = 4000 };
+    for (int shape = 0; shape < HEIGHTS_SHAPES; shape++) {
+        heights_terrain t;
+        field_random r = {FIELD_SEED + (uint64_t)shape};
+        int inside = 0, outside = 0, valued = 0;
+        heights_lab_make(&t, shape, 50, FIELD_SEED);
+        leafcast *v = fixture_open(heights_lab_leaf(&t, 4, 1, true), NULL);
+        for (int i = 0; i < POINTS; i++) {
+            double point[3];
+            leafcast_sample got, one;
+            any_point(&t.truth, &r, point);
+            const height_there want = height_there_at(&t.truth, point);
+            assert_int_equal(leafcast_sample_points(v, (const double(*)[3])point, 1, &got),
+                             LEAFCAST_OK);
+            assert_int_equal(leafcast_probe_point(v, point, &one), LEAFCAST_OK);
+            assert_memory_equal(&one.value, &got.value, sizeof one.value);
+            if (got.inside != want.inside)
+                assert_true(want.on_line);
+            inside += got.inside;
+            outside += !got.inside;
+            if (!got.inside || want.on_line)
+                continue;
+            assert_int_equal(isnan(got.value), isnan((double)want.value));
+            assert_true(got.nearest == (double)want.nearest || isnan(want.nearest));
+            if (isnan(got.value))
+                continue;
+            valued++;
+            if (fabsl((long double)got.value - want.value) > want.error)
+                fail_msg("%s: %.17g, not %.17Lg", heights_lab_name(shape), got.value, want.value);
+            for (int a = 0; a < 2; a++)
+                assert_true(fabsl((long double)got.gradient[a] - want.slope[a]) <=
+                            want.error / fabsl((long double)t.truth.spacing[a]));
+            assert_true(got.gradient[2] == 0.0);
+        }
+        assert_true(inside > POINTS / 2 && outside > POINTS / 50 && valued > POINTS / 8);
+        leafcast_close(v);
+        heights_lab_release(&t);
+    }
+}
+
 /* ---- Pictures ---- */
 
 static double height_at(const heights_truth *h, double x, double y) {
@@ -255,9 +351,9 @@ static void test_scene(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hits),    cmocka_unit_test(test_file),
-        cmocka_unit_test(test_shadows), cmocka_unit_test(test_pictures),
-        cmocka_unit_test(test_scene),
+        cmocka_unit_test(test_hits),     cmocka_unit_test(test_file),
+        cmocka_unit_test(test_points),   cmocka_unit_test(test_shadows),
+        cmocka_unit_test(test_pictures), cmocka_unit_test(test_scene),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

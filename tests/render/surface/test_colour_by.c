@@ -33,15 +33,15 @@ enum {
     MESH,
     CURVED,
     MIXED,
+    HEIGHTS,
     COLOURING,
     TRIANGLES = COLOURING,
-    HEIGHTS,
     FILES,
     SERIES = FILES
 };
 
-static const char *const NAMES[FILES] = {"grid",  "grid with holes", "mesh",   "curvilinear grid",
-                                         "mixed", "triangles",       "heights"};
+static const char *const NAMES[FILES] = {"grid",  "grid with holes", "mesh",     "curvilinear grid",
+                                         "mixed", "heights",         "triangles"};
 static char paths[FILES + 1][600];
 static const scene_stage *stage;
 
@@ -594,26 +594,53 @@ static void test_steps(void **state) {
 static void test_preview(void **state) {
     static picture exact, p;
     (void)state;
-    for (int by = HOLES; by <= MESH; by++) {
+    static const int colouring[] = {HOLES, MESH, HEIGHTS};
+    for (int i = 0; i < 3; i++) {
+        const int by = colouring[i];
         coloured c;
         int provisional = 0, coarse = 0;
         open_coloured(&c, GRID, by, PLACED, NULL, 1);
         leafcast_scene scene = c.scene;
         scene.preview = true;
         /* Until something coarser has come. */
-        for (int turn = 0; turn < 200 && coarse == 0 && by == HOLES; turn++) {
+        for (int turn = 0; turn < 200 && coarse == 0 && by != MESH; turn++) {
             pictures_draw(c.of, &scene, &c.camera, &p, NULL);
-            for (int i = 0; i < PICTURE_PIXELS; i++)
-                coarse += p.provisional[i] && p.id[i] >= 0 && p.rgba[0][i] != c.surfaces[0].rgb[0];
+            for (int k = 0; k < PICTURE_PIXELS; k++)
+                coarse += p.provisional[k] && p.id[k] >= 0 && p.rgba[0][k] != c.surfaces[0].rgb[0];
         }
-        assert_true(coarse > 0 || by != HOLES);
+        assert_true(coarse > 0 || by == MESH);
         pictures_draw(c.of, &scene, &c.camera, &p, NULL);
         pictures_draw(c.of, &c.scene, &c.camera, &exact, NULL);
-        for (int i = 0; i < PICTURE_PIXELS; i++) {
-            provisional += p.provisional[i];
-            assert_true(p.provisional[i] || pictures_same_pixel(&p, &exact, i));
+        for (int k = 0; k < PICTURE_PIXELS; k++) {
+            provisional += p.provisional[k];
+            assert_true(p.provisional[k] || pictures_same_pixel(&p, &exact, k));
         }
         assert_true(provisional > 20);
+        close_coloured(&c);
+    }
+}
+
+/* Terrain that its own file is draped over has the colours of its own elevations, at each level of
+ * detail. */
+static void test_draped_levels(void **state) {
+    static picture draped, own;
+    (void)state;
+    for (uint32_t level = 0; level < 3; level++) {
+        coloured c;
+        int seen = 0;
+        open_coloured(&c, HEIGHTS, HEIGHTS, AS_FILES_SAY, NULL, 0);
+        c.camera = leafcast_standard_view(c.of, 1.2, PICTURE_WIDTH, PICTURE_HEIGHT);
+        c.scene.lod = LEAFCAST_LOD_LEVEL;
+        c.scene.lod_level = level;
+        pictures_draw(c.of, &c.scene, &c.camera, &draped, NULL);
+        c.shown.colour_by = NULL;
+        pictures_draw(c.of, &c.scene, &c.camera, &own, NULL);
+        for (int i = 0; i < PICTURE_PIXELS; i++) {
+            seen += own.id[i] >= 0;
+            for (int k = 0; k < 3; k++)
+                assert_true(fabsf(draped.rgba[k][i] - own.rgba[k][i]) <= 1e-5f);
+        }
+        assert_true(seen > PICTURE_PIXELS / 10);
         close_coloured(&c);
     }
 }
@@ -639,7 +666,7 @@ static void test_refused(void **state) {
     close_coloured(&c);
     open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
     const leafcast_options on = {.size = sizeof on, .device = c.device};
-    leafcast *given = fixture_open(paths[HEIGHTS], &on);
+    leafcast *given = fixture_open(paths[TRIANGLES], &on);
     c.colouring.volume = given;
     refused(&c, "has no values at points");
     leafcast_close(given);
@@ -648,11 +675,11 @@ static void test_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kinds),      cmocka_unit_test(test_unplaced),
-        cmocka_unit_test(test_lit),        cmocka_unit_test(test_layers),
-        cmocka_unit_test(test_same_bits),  cmocka_unit_test(test_mirrored),
-        cmocka_unit_test(test_both_shown), cmocka_unit_test(test_medium),
-        cmocka_unit_test(test_steps),      cmocka_unit_test(test_preview),
-        cmocka_unit_test(test_refused)};
+        cmocka_unit_test(test_kinds),         cmocka_unit_test(test_unplaced),
+        cmocka_unit_test(test_lit),           cmocka_unit_test(test_layers),
+        cmocka_unit_test(test_same_bits),     cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_both_shown),    cmocka_unit_test(test_medium),
+        cmocka_unit_test(test_steps),         cmocka_unit_test(test_preview),
+        cmocka_unit_test(test_draped_levels), cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, set_up, scene_stage_clear);
 }
