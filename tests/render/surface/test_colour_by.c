@@ -627,7 +627,7 @@ static void test_draped_levels(void **state) {
     (void)state;
     for (uint32_t level = 0; level < 3; level++) {
         coloured c;
-        int seen = 0;
+        int covered = 0;
         open_coloured(&c, HEIGHTS, HEIGHTS, AS_FILES_SAY, NULL, 0);
         c.camera = leafcast_standard_view(c.of, 1.2, PICTURE_WIDTH, PICTURE_HEIGHT);
         c.scene.lod = LEAFCAST_LOD_LEVEL;
@@ -636,11 +636,11 @@ static void test_draped_levels(void **state) {
         c.shown.colour_by = NULL;
         pictures_draw(c.of, &c.scene, &c.camera, &own, NULL);
         for (int i = 0; i < PICTURE_PIXELS; i++) {
-            seen += own.id[i] >= 0;
+            covered += own.id[i] >= 0;
             for (int k = 0; k < 3; k++)
                 assert_true(fabsf(draped.rgba[k][i] - own.rgba[k][i]) <= 1e-5f);
         }
-        assert_true(seen > PICTURE_PIXELS / 10);
+        assert_true(covered > PICTURE_PIXELS / 10);
         close_coloured(&c);
     }
 }
