@@ -223,8 +223,9 @@ static status print_json(const report *r) {
     const fact_sheet to = {.values = json_object()};
     char next[INFO_NEXT_MAX];
     tell_file(r->f, &to);
-    if (!leaf_teller_of(r->f)->is_surface)
-        fact_sheet_json(&to, "histogram", histogram_json(&r->values));
+    if (leaf_teller_of(r->f)->drawn)
+        fact_sheet_json(&to, "histogram",
+                        histogram_json(&r->values, !leaf_teller_of(r->f)->is_surface));
     info_next_tell(&to, next_command(r->common->input, next));
     if (r->q->iso_count) {
         json_t *isos = json_array();
@@ -241,12 +242,13 @@ static void print_text(const report *r) {
     char next[INFO_NEXT_MAX];
     cli_results(r->common, false);
     tell_file(r->f, &to);
-    if (kind->is_surface) {
+    if (!kind->drawn) {
         printf("\n");
     } else {
-        histogram_print(stdout, &r->values, r->f->histograms ? kind->drawn : "treelets");
+        histogram_print(stdout, &r->values, r->f->histograms ? kind->drawn : "treelets",
+                        !kind->is_surface);
         printf("\n");
-        histogram_print_isovalues(stdout, &r->values);
+        histogram_print_isovalues(stdout, &r->values, !kind->is_surface);
     }
     info_next_tell(&to, next_command(r->common->input, next));
     for (int i = 0; i < r->q->iso_count; i++)
@@ -316,7 +318,7 @@ status info_leaf_report(cli_common *common, mem *m, leaf_file *f, info_leaf_ques
     status st = check_isovalues(&r);
     if (st == ST_OK)
         st = settle(&r, m);
-    if (st == ST_OK && !leaf_teller_of(f)->is_surface)
+    if (st == ST_OK && leaf_teller_of(f)->drawn)
         st = leaf_histogram_get(m, f, leaf_layout_set(&f->layout, r.field, r.first), &r.values);
     if (st == ST_OK)
         st = count(&r, m, f);

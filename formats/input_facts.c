@@ -97,8 +97,8 @@ static void print_values(FILE *to, const input_facts *x) {
                 (unsigned long long)x->non_finite);
     if (x->trailing)
         fprintf(to, "behind      %llu bytes behind the samples\n", (unsigned long long)x->trailing);
-    histogram_print(to, &x->values, kind_of(x)->drawn);
-    histogram_print_isovalues(to, &x->values);
+    histogram_print(to, &x->values, kind_of(x)->drawn, !x->is_surface);
+    histogram_print_isovalues(to, &x->values, !x->is_surface);
 }
 
 void input_facts_print(FILE *to, const input_facts *x) {
@@ -232,7 +232,7 @@ json_t *input_facts_json(const input_facts *x) {
         fact_sheet_real(&to, "value_min", any ? x->range[0] : NAN);
         fact_sheet_real(&to, "value_max", any ? x->range[1] : NAN);
         fact_sheet_whole(&to, "non_finite", x->non_finite);
-        fact_sheet_json(&to, "histogram", histogram_json(&x->values));
+        fact_sheet_json(&to, "histogram", histogram_json(&x->values, !x->is_surface));
     }
     return json;
 }

@@ -42,6 +42,7 @@ typedef struct input_facts {
     double times[INPUT_FACTS_TIMES], last_time;
     bool lacks_values; /* there is no field to take */
     bool needs_whole;  /* it has cells that only whole ones keep */
+    bool is_surface;   /* it is a surface by itself: it has no isosurfaces */
     /* Values: */
     bool read;           /* whether the values were read: not with header_only */
     double range[2];     /* of all finite values; lo > hi: none */

@@ -149,6 +149,7 @@ static status ask(mem *m, void *input, const input_question *q, const progress *
     const grid *g = volume_grid(v);
     take_grid((volume_facts *)(void *)x->own.bytes, g);
     x->frame = g->frame;
+    x->is_surface = g->heights;
     input_collect_name(x, g->name);
     if (q->opened)
         st = q->opened(q->ctx, x);

@@ -162,8 +162,9 @@ const leaf_teller grid_facts = {.name = "grid",
                                 .tell_parts = tell_parts};
 
 const leaf_teller heights_facts = {.name = "heights",
-                                   .cells = "cells",
+                                   .cells = "patches",
                                    .drawn = "samples",
+                                   .is_surface = true,
                                    .has_levels = true,
                                    .tell = tell,
                                    .tell_parts = tell_parts};

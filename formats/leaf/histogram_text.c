@@ -49,50 +49,55 @@ static bool suggested(const histogram *h, const row *r, const double *isovalues,
     return false;
 }
 
-void histogram_print(FILE *to, const histogram *h, const char *what) {
+static int suggestions(const histogram *h, bool any, double isovalues[HISTOGRAM_ISOVALUES]) {
+    return any ? histogram_suggest(h, isovalues, HISTOGRAM_ISOVALUES) : 0;
+}
+
+void histogram_print(FILE *to, const histogram *h, const char *what, bool isovalues) {
     row rows[ROWS + 4];
-    double isovalues[HISTOGRAM_ISOVALUES], most = 0;
+    double marked[HISTOGRAM_ISOVALUES], most = 0;
     if (h->bins == 0)
         return;
     const int count = make_rows(h, rows);
-    const int marks = histogram_suggest(h, isovalues, HISTOGRAM_ISOVALUES);
+    const int marks = suggestions(h, isovalues, marked);
+    const char *legend = isovalues ? ", * a suggested isovalue" : "";
     for (int i = 0; i < count; i++)
         most = fmax(most, cbrt((double)rows[i].samples));
     if (h->drawn == h->total)
-        fprintf(to, "\nhistogram of %llu %s, bars by cube roots, * a suggested isovalue\n",
-                (unsigned long long)h->total, what);
+        fprintf(to, "\nhistogram of %llu %s, bars by cube roots%s\n", (unsigned long long)h->total,
+                what, legend);
     else
-        fprintf(to, "\nhistogram of %llu of %llu %s, bars by cube roots, * a suggested isovalue\n",
-                (unsigned long long)h->drawn, (unsigned long long)h->total, what);
+        fprintf(to, "\nhistogram of %llu of %llu %s, bars by cube roots%s\n",
+                (unsigned long long)h->drawn, (unsigned long long)h->total, what, legend);
     for (int i = 0; i < count; i++) {
         const row *r = &rows[i];
         char bar[BAR + 1] = "";
         const double share = (double)r->samples / (double)(h->drawn ? h->drawn : 1);
         memset(bar, '#', (size_t)lround(BAR * cbrt((double)r->samples) / fmax(most, 1e-9)));
         fprintf(to, "%12.6g .. %-12.6g %c %7.3f %% %s\n", h->edges[r->first], h->edges[r->end],
-                suggested(h, r, isovalues, marks) ? '*' : ' ', 100 * share, bar);
+                suggested(h, r, marked, marks) ? '*' : ' ', 100 * share, bar);
     }
 }
 
-void histogram_print_isovalues(FILE *to, const histogram *h) {
-    double isovalues[HISTOGRAM_ISOVALUES];
+void histogram_print_isovalues(FILE *to, const histogram *h, bool isovalues) {
+    double best[HISTOGRAM_ISOVALUES];
     uint32_t data[2];
     histogram_marker marker;
     char value[NUM_TEXT_MAX];
     if (histogram_data(h, data, &marker))
         fprintf(to, "aside       %s, in %.3g %%: may stand for no data (convert --missing=%s)\n",
                 num_print_float((float)marker.value, value), 100 * marker.share, value);
-    const int count = histogram_suggest(h, isovalues, HISTOGRAM_ISOVALUES);
+    const int count = suggestions(h, isovalues, best);
     char text[NUM_TEXT_MAX];
     for (int i = 0; i < count; i++)
-        fprintf(to, "%s%s", i ? ", " : "isovalues   ", num_print(isovalues[i], text));
+        fprintf(to, "%s%s", i ? ", " : "isovalues   ", num_print(best[i], text));
     if (count)
         fprintf(to, " (suggested, best first)\n");
 }
 
-json_t *histogram_json(const histogram *h) {
-    double isovalues[HISTOGRAM_ISOVALUES];
-    const int count = histogram_suggest(h, isovalues, HISTOGRAM_ISOVALUES);
+json_t *histogram_json(const histogram *h, bool isovalues) {
+    double best[HISTOGRAM_ISOVALUES];
+    const int count = suggestions(h, isovalues, best);
     json_t *edges = json_array(), *samples = json_array(), *active = json_array(),
            *gradient = json_array(), *area = json_array(), *suggestions = json_array();
     for (uint32_t k = 0; k < h->bins; k++) {
@@ -105,7 +110,7 @@ json_t *histogram_json(const histogram *h) {
     if (h->bins)
         json_array_append_new(edges, json_real(h->edges[h->bins]));
     for (int i = 0; i < count; i++)
-        json_array_append_new(suggestions, json_real(isovalues[i]));
+        json_array_append_new(suggestions, json_real(best[i]));
     uint32_t data[2];
     histogram_marker marker;
     json_t *aside = histogram_data(h, data, &marker) ? json_real(marker.value) : json_null();

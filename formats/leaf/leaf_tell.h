@@ -13,8 +13,8 @@
 typedef struct leaf_teller {
     const char *name;  /* "grid" */
     const char *cells; /* what its cells are called: "cells" */
-    const char *drawn; /* what its histograms count: "samples" */
-    bool is_surface;   /* it is a surface by itself: it has no isosurfaces, and no histograms */
+    const char *drawn; /* what its histograms count: "samples"; NULL: it has none */
+    bool is_surface;   /* it is a surface by itself: it has no isosurfaces */
     bool has_levels;   /* it has levels of detail, and tells what an isovalue needs of each */
     /* The number of cells of the whole volume, if shares of it are told. NULL: they are not. */
     uint64_t (*cell_count)(const leaf_header *h);

@@ -26,6 +26,15 @@ ASC
 exits "an Arc ASCII grid" 0 "$leafcast" convert "$tmp/area.asc" -o "$tmp/area.leaf"
 "$leafcast" info "$tmp/area.leaf" --json >"$tmp/area.json"
 ok "counts each node without data once" grep -q '"non_finite": 1,' "$tmp/area.json"
+for file in area.asc area.leaf; do
+    exits "a look at $file" 0 "$leafcast" info "$tmp/$file"
+    ok "shows its elevations" grep -q '^histogram of .* bars by cube roots$' "$tmp/out"
+    ok "suggests no isovalue" sh -c "! grep -q isovalue '$tmp/out'"
+    exits "and as JSON" 0 "$leafcast" info "$tmp/$file" --json
+    ok "none" sh -c "tr -d ' \\n' <'$tmp/out' | grep -qF '\"suggested\":[]'"
+done
+exits "an isovalue of terrain" 2 "$leafcast" info "$tmp/area.leaf" --iso 5
+ok "is none" says "a surface of patches, which has no isosurfaces"
 hits "$tmp/area.leaf" 1090 1940 >"$tmp/want"
 ok "a ray meets it" grep -qx 'count: 1' "$tmp/want"
 

@@ -35,11 +35,11 @@ static status print_histograms(mem *m, const leaf_file *f) {
         FILE *to = st == ST_OK ? open_memstream(&text, &size) : NULL;
         if (!to)
             continue;
-        histogram_print(to, &h, "cells");
-        histogram_print_isovalues(to, &h);
+        histogram_print(to, &h, "cells", true);
+        histogram_print_isovalues(to, &h, true);
         fclose(to);
         free(text);
-        json_decref(histogram_json(&h));
+        json_decref(histogram_json(&h, true));
     }
     return st;
 }

@@ -20,7 +20,7 @@ static status write_histogram(char **text) {
         h.edges[i] = i - 3.5;
     FILE *out = open_memstream(text, &size);
     assert_non_null(out);
-    status st = cli_json_write(out, histogram_json(&h), true);
+    status st = cli_json_write(out, histogram_json(&h, true), true);
     fclose(out);
     return st;
 }

@@ -494,7 +494,7 @@ static void test_rows(void **state) {
             char *text = NULL;
             size_t size = 0, lines = 0;
             FILE *to = open_memstream(&text, &size);
-            histogram_print(to, &h, "samples");
+            histogram_print(to, &h, "samples", true);
             fclose(to);
             for (size_t i = 0; i < size; i++)
                 lines += text[i] == '\n';
