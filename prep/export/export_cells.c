@@ -102,7 +102,7 @@ static status write_triangles(export_request *a, mem *m, leaf_file *f, piece_inf
 
 #define INSTEAD "leafcast resample makes some, or export it as .vtu"
 
-const export_kind export_tets = {&mesh_geometry, NULL, write_tets, "tets", INSTEAD, false};
-const export_kind export_hexes = {NULL, NULL, write_hexes, "cells", INSTEAD, false};
+const export_kind export_tets = {&mesh_geometry, NULL, NULL, write_tets, "tets", INSTEAD, false};
+const export_kind export_hexes = {NULL, NULL, NULL, write_hexes, "cells", INSTEAD, false};
 const export_kind export_triangles = {
-    &triangle_geometry, NULL, write_triangles, NULL, "export it as .ply, .stl or .vtp", true};
+    &triangle_geometry, NULL, NULL, write_triangles, NULL, "export it as .ply, .stl or .vtp", true};

@@ -5,10 +5,12 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/text.h"
+#include "formats/leaf/grid_facts.h"
 #include "formats/leaf/grid_geometry.h"
 #include "prep/export/export_pieces.h"
 #include "prep/export/grid_slices.h"
 #include "prep/export/grid_surface.h"
+#include "prep/export/heights_surface.h"
 #include "prep/export/sample_stream.h"
 #include "prep/export/slice_files.h"
 
@@ -119,6 +121,35 @@ static status export_grid_surface(export_request *a, mem *m, leaf_file *f, piece
     piece_source_release(&source);
     return st;
 }
+
+/* Of the fields that are chosen, the first is the elevations. */
+static status export_terrain(export_request *a, mem *m, leaf_file *f, piece_info *info) {
+    grid_part part;
+    export_fields fields;
+    piece_source source = {.ctx = NULL};
+    int threads = 1;
+    status st = export_request_fields(a, m, f, &fields);
+    if (st == ST_OK)
+        st = choose_part(a, f, fields.fields[0], &part);
+    if (st == ST_OK) {
+        threads = export_pieces_threads(a, m, heights_surface_worker(f, fields.count));
+        st = heights_surface_create(m, f, &part, fields.sets, fields.count, threads, &source);
+    }
+    info->given = true;
+    info->fields = fields.names;
+    info->field_count = fields.count;
+    if (st == ST_OK)
+        st = export_pieces_write(a, m, &source, threads, info);
+    piece_source_release(&source);
+    export_request_release(m, &fields);
+    return st;
+}
+
+const export_kind export_heights = {.told = &heights_facts,
+                                    .samples = export_samples,
+                                    .pieces = export_terrain,
+                                    .instead = "export it as .ply, .stl or .vtp",
+                                    .given = true};
 
 const export_kind export_grid = {.of = &grid_geometry,
                                  .samples = export_samples,

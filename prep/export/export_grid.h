@@ -4,6 +4,6 @@
 
 #include "prep/export/export_kind.h"
 
-extern const export_kind export_grid;
+extern const export_kind export_grid, export_heights;
 
 #endif

@@ -4,11 +4,13 @@
 #define PREP_EXPORT_EXPORT_KIND_H
 
 #include "formats/leaf/leaf_geometry.h"
+#include "formats/leaf/leaf_tell.h"
 #include "prep/export/export_request.h"
 #include "prep/export/piece.h"
 
 typedef struct export_kind {
     const leaf_geometry *of; /* NULL: all whose cells are hexahedra */
+    const leaf_teller *told; /* not NULL: of these alone */
     /* Write the samples of a lattice, and report. NULL: it has none. */
     status (*samples)(export_request *a, mem *m, leaf_file *f, double start);
     /* Write isosurfaces, or its cells if a->pieces->solid. */

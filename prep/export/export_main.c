@@ -205,10 +205,11 @@ static const cli_verb verb = {
     .input = "treelet file",
     .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.mha|.npy|.vti|.vtr|.tif|.vdb|.zarr\n"
                 "F.leaf --iso V -o FILE.ply|.stl|.vtp\nF.leaf -o FILE.vtu\n"
-                "SURFACE.leaf -o FILE.ply|.stl|.vtp",
+                "SURFACE|TERRAIN.leaf -o FILE.ply|.stl|.vtp",
     .doc =
         "Write what is in a treelet file to another format: the samples of a grid, isosurfaces, "
-        "the cells of a mesh or a curvilinear grid, or the triangles of a surface (-o -: to "
+        "the cells of a mesh or a curvilinear grid, or the triangles of a surface, two a cell of "
+        "terrain (-o -: to "
         "standard output, --format says what)."
         "\vExample:\n"
         "  leafcast export head.leaf --iso 1150 -o skull.ply\v"
@@ -243,14 +244,19 @@ static status report_pieces(const export_request *a, const export_kind *kind,
     return ST_OK;
 }
 
-static const export_kind *const kinds[] = {&export_grid, &export_tets, &export_hexes,
-                                           &export_triangles};
+static const export_kind *const kinds[] = {&export_heights, &export_grid, &export_tets,
+                                           &export_hexes, &export_triangles};
+
+static bool is_of(const leaf_file *f, const export_kind *kind) {
+    if (kind->told)
+        return kind->told == leaf_teller_of(f);
+    return kind->of ? kind->of == f->geometry : f->geometry->noded && f->geometry->noded->hexahedra;
+}
 
 /* Returns NULL for a kind that is not exported. */
 static const export_kind *kind_of(const leaf_file *f) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if (kinds[i]->of ? kinds[i]->of == f->geometry
-                         : f->geometry->noded && f->geometry->noded->hexahedra)
+        if (is_of(f, kinds[i]))
             return kinds[i];
     return NULL;
 }

@@ -38,6 +38,54 @@ ok "is none" says "a surface of patches, which has no isosurfaces"
 hits "$tmp/area.leaf" 1090 1940 >"$tmp/want"
 ok "a ray meets it" grep -qx 'count: 1' "$tmp/want"
 
+# ---- as triangles ----
+
+exits "as triangles" 0 "$leafcast" export "$tmp/area.leaf" -o "$tmp/area.ply" --json
+ok "two of each of two cells" grep -q '"triangles": 4,' "$tmp/out"
+ok "at their six nodes" grep -q '"vertices": 6,' "$tmp/out"
+exits "taken back" 0 "$leafcast" convert "$tmp/area.ply" -q -o "$tmp/flat.leaf"
+hits "$tmp/flat.leaf" 1090 1940 | grep '^ *point' >"$tmp/there"
+grep '^ *point' "$tmp/want" >"$tmp/here"
+ok "are met at a node where its patches are" cmp "$tmp/there" "$tmp/here"
+exits "a box of them" 0 "$leafcast" export "$tmp/area.leaf" --box 2,0,0,3,1,1 -o "$tmp/box.stl" --json
+ok "has one cell" grep -q '"triangles": 2,' "$tmp/out"
+exits "an isosurface of terrain" 2 "$leafcast" export "$tmp/area.leaf" --iso 5 -o "$tmp/x.ply"
+ok "is none" says "a surface of triangles, to become .ply"
+exits "cells of terrain" 3 "$leafcast" export "$tmp/area.leaf" -o "$tmp/x.vtu"
+ok "are none" says "export it as .ply, .stl or .vtp"
+if command -v python3 >/dev/null; then
+    python3 -c 'import math
+print("ncols 150\nnrows 90\nxllcorner 0\nyllcorner 0\ncellsize 2\nNODATA_value -9999")
+for j in range(90): print(*["-9999" if (i - 70) ** 2 + (j - 60) ** 2 < 90 else round(9 * math.sin(i / 7) * math.cos(j / 9), 3) for i in range(150)])' >"$tmp/wide.asc"
+    exits "six treelets" 0 "$leafcast" convert "$tmp/wide.asc" -q -o "$tmp/wide.leaf"
+    exits "welded" 0 "$leafcast" export "$tmp/wide.leaf" -o "$tmp/wide.ply" -q
+    exits "each edge between two cells" 0 python3 - "$tmp/wide.ply" <<'PY'
+import collections, struct, sys
+data = open(sys.argv[1], "rb").read()
+head, body = data.split(b"end_header\n", 1)
+vertices, faces = [int(l.split()[2]) for l in head.decode().splitlines() if l.startswith("element")]
+assert b"property double z\nproperty float value" in head, head
+at = [struct.unpack_from("<dddf", body, 28 * i) for i in range(vertices)]
+assert all(abs(p[2] - p[3]) < 1e-6 for p in at) and len({p[:2] for p in at}) == vertices
+edges, area = collections.Counter(), 0.0
+for i in range(faces):
+    n, *c = struct.unpack_from("<Biii", body, 28 * vertices + 13 * i)
+    assert n == 3
+    (ax, ay), (bx, by), (cx, cy) = [at[k][:2] for k in c]
+    area += 0.5 * ((bx - ax) * (cy - ay) - (cx - ax) * (by - ay))
+    edges.update((c[k], c[(k + 1) % 3]) for k in range(3))
+assert max(edges.values()) == 1 and abs(area - 2.0 * faces) < 1e-6, area
+rim = sum((b, a) not in edges for a, b in edges)
+print(vertices, faces, rim)
+assert rim == 2 * (149 + 89) + 2 * (19 + 19), rim
+PY
+    for how in "--threads 1" "--threads 3 --memory 16M"; do
+        # shellcheck disable=SC2086 # split on purpose
+        exits "with $how" 0 "$leafcast" export "$tmp/wide.leaf" $how -o "$tmp/again.ply" --force -q
+        ok "the same bytes" cmp "$tmp/again.ply" "$tmp/wide.ply"
+    done
+fi
+
 # ---- GeoTIFF ----
 if ! "$leafcast" --list-verbs | grep -qx import-images || ! command -v python3 >/dev/null; then
     skip "GeoTIFF" "no OpenImageIO or no python3 here"
