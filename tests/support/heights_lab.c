@@ -217,15 +217,17 @@ static int settle(const heights_truth *h, heights_meeting *m, int count) {
     return kept;
 }
 
-/* Whether the answer changes when the ray is moved by 1e-6 of a cell, to any of its sides. most:
- * how many meetings matter. */
+/* Whether the answer changes when the ray is moved by 1e-6 of a cell, to any of its sides, or to and
+ * fro: it may begin on the terrain. most: how many meetings matter. */
 static bool grazes(const heights_truth *h, const leafcast_ray *r, const heights_meeting *truth,
                    int count, int most) {
     static heights_meeting moved[HEIGHTS_MEETINGS_MAX];
     const double cell = cell_of(h);
-    for (int k = 0; k < 6; k++) {
+    for (int k = 0; k < 8; k++) {
+        const double by = (k % 2 ? -1e-6 : 1e-6) * cell;
         double shift[3] = {0.0, 0.0, 0.0};
-        shift[k % 3] = (k < 3 ? 1e-6 : -1e-6) * cell;
+        for (int a = 0; a < 3; a++)
+            shift[a] = k / 2 == a ? by : k / 2 == 3 ? by * r->direction[a] : 0.0;
         const int others =
             settle(h, moved,
                    heights_truth_meetings(h, r->origin, r->direction, shift, (long double)r->t0,
