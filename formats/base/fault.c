@@ -4,9 +4,9 @@
 #include <time.h>
 
 /* Operations left until the one that fails; 0: off, negative: has fired. */
-static atomic_long countdown[FAULT_KINDS];
+static atomic_long countdown[FAULT_ALL];
 
-static atomic_long delay_us[FAULT_KINDS];
+static atomic_long delay_us[FAULT_ALL];
 
 void fault_arm(fault_kind kind, long k) {
     atomic_store(&countdown[kind], k);

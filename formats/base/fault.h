@@ -14,8 +14,10 @@ typedef enum fault_kind {
     FAULT_READ,
     FAULT_WRITE,
     FAULT_THREAD,
-    FAULT_PAGES, /* a mapped file's, lost for a moment */
-    FAULT_KINDS
+    FAULT_KINDS, /* that make a call fail */
+    /* A mapped file's pages are lost for a moment, and there again: nothing may fail. */
+    FAULT_PAGES = FAULT_KINDS,
+    FAULT_ALL
 } fault_kind;
 
 /* fault_arm() - make the k-th operation of this kind from now on fail, once (k = 1: the next); k =

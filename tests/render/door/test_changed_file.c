@@ -357,15 +357,15 @@ static void test_pages_back(void **state) {
     (void)state;
     field f;
     mem m;
-    leaf_file *file = NULL;
+    leaf_file *whole = NULL;
     source *s = NULL;
     leaf_unpacker *u = NULL;
     const void *payload = NULL;
     assert_true(field_make(&f, "waves", 30, FIELD_SEED));
     mem_init(&m, 0);
-    assert_int_equal(leaf_file_open(&m, fixture_leaf(&f, 4, 1, false), &file), ST_OK);
-    assert_int_equal(source_open(&m, file, SOURCE_MAPPED, &s), ST_OK);
-    assert_int_equal(leaf_unpacker_create(&m, file, &u), ST_OK);
+    assert_int_equal(leaf_file_open(&m, fixture_leaf(&f, 4, 1, false), &whole), ST_OK);
+    assert_int_equal(source_open(&m, whole, SOURCE_MAPPED, &s), ST_OK);
+    assert_int_equal(leaf_unpacker_create(&m, whole, &u), ST_OK);
     fault_arm(FAULT_PAGES, 1);
     assert_int_equal(source_load(s, 1, u, &payload), ST_OK);
     assert_true(fault_fired(FAULT_PAGES));
@@ -373,7 +373,7 @@ static void test_pages_back(void **state) {
     source_evict(s, 1, payload);
     leaf_unpacker_destroy(u);
     source_close(s);
-    leaf_file_close(file);
+    leaf_file_close(whole);
     field_release(&f);
 }
 
