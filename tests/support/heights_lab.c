@@ -217,8 +217,8 @@ static int settle(const heights_truth *h, heights_meeting *m, int count) {
     return kept;
 }
 
-/* Whether the answer changes when the ray is moved by 1e-6 of a cell, to any of its sides, or to and
- * fro: it may begin on the terrain. most: how many meetings matter. */
+/* Whether the answer changes when the ray is moved by 1e-6 of a cell, to any of its sides, or to
+ * and fro: it may begin on the terrain. most: how many meetings matter. */
 static bool grazes(const heights_truth *h, const leafcast_ray *r, const heights_meeting *truth,
                    int count, int most) {
     static heights_meeting moved[HEIGHTS_MEETINGS_MAX];
