@@ -179,10 +179,16 @@ static status follow_all(scene_reading *r, const task *t, int object, render_pla
     return ST_OK;
 }
 
-/* Add a group, which takes the places, and put what lies in it into the queue; NULL: nothing. */
+/* Add a group, which takes the places, and put what lies in it into the queue; NULL: nothing. A
+ * scene that lies in itself several times would have more groups at each depth than before. */
 static status add_group(scene_reading *r, queue *q, const render_group *group, const task *in_it) {
-    status st =
-        mem_grow(&r->m, &r->groups, sizeof *r->groups, (size_t)r->group_count, 4, &r->group_room);
+    status st = ST_OK;
+    if (r->group_count == LEAFCAST_VOLUMES_MAX)
+        st = status_describe(ST_USAGE, "%s: more than %d groups: does a scene lie in itself?",
+                             r->path, LEAFCAST_VOLUMES_MAX);
+    if (st == ST_OK)
+        st = mem_grow(&r->m, &r->groups, sizeof *r->groups, (size_t)r->group_count, 4,
+                      &r->group_room);
     if (st == ST_OK)
         st = mem_grow(&r->m, &q->of, sizeof *q->of, q->count, 4, &q->room);
     if (st != ST_OK) {

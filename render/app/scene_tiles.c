@@ -91,7 +91,8 @@ static status read_numbers(json_t *value, const char *what, scene_tiles *t) {
                  *origin = json_object_get(value, "origin"), *seed = json_object_get(value, "seed");
     double counts[2];
     if (!numbers(json_object_get(value, "counts"), 2, 2, counts) || !(counts[0] >= 1.0) ||
-        !(counts[1] >= 1.0) || !(counts[0] * counts[1] <= CELLS_MAX))
+        !(counts[1] >= 1.0) || !(counts[0] * counts[1] <= CELLS_MAX) ||
+        counts[0] != floor(counts[0]) || counts[1] != floor(counts[1]))
         return wrong(what, "counts", "how many there are along x and y: 16777216 in all at most");
     if (!numbers(json_object_get(value, "size"), 2, 2, t->size) || !(t->size[0] > 0.0) ||
         !(t->size[1] > 0.0))

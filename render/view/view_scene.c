@@ -241,7 +241,7 @@ static void put_surfaces(json_t *out, const view_options *v) {
         json_object_set(out, "opacity", opacities);
     if (mirrors)
         json_object_set(out, "reflect", reflects);
-    if (bends)
+    if (bends && clear) /* nothing is seen through what is not */
         json_object_set(out, "refract", refracts);
     json_decref(isos);
     json_decref(colours);

@@ -164,6 +164,8 @@ wrong() {
 two='"instances": [{"scale": 1}, {"scale": 2}]'
 wrong '{"objects": [{"scene": "wrong.json"}]}' 'scenes in scenes, 16 deep: does one lie in itself?'
 wrong '{"objects": [{"scene": "wrong.json", '"$two}]}" 'scenes in scenes, 16 deep: does one lie in itself?'
+one='{"scene": "wrong.json", '"$two}"
+wrong '{"objects": ['"$one, $one, $one, $one]}" 'more than 4096 groups: does a scene lie in itself?'
 wrong '{"objects": [{"scene": "none.json"}]}' 'none.json' 1
 wrong '{"objects": [{"scene": "ball.leaf"}]}' 'ball.leaf' 3
 wrong '{"objects": [{"scene": "grass.ply"}]}' 'grass.ply' 3
@@ -183,6 +185,7 @@ wrong '{"objects": [{"tiles": []}]}' '"tiles" takes an array of 1 to 256'
 wrong '{"objects": [{"tiles": [3], "counts": [1, 1], "size": [1, 1]}]}' 'objects[0]: a tile has a "scene"'
 wrong '{"objects": [{"tiles": ['"$chess"'], "size": [1, 1]}]}' '"counts" takes how many'
 wrong '{"objects": [{"tiles": ['"$chess"'], "counts": [5000, 5000], "size": [1, 1]}]}' '"counts" takes how many'
+wrong '{"objects": [{"tiles": ['"$chess"'], "counts": [2.5, 2], "size": [1, 1]}]}' '"counts" takes how many'
 wrong '{"objects": [{"tiles": ['"$chess"'], "counts": [5, 5], "size": [1, 0]}]}' '"size" takes how long'
 wrong '{"objects": [{"tiles": ['"$chess"'], "counts": [5, 5], "size": [1, 1], "origin": 3}]}' '"origin" takes two or three'
 wrong '{"objects": [{"tiles": ['"$chess"'], "counts": [5, 5], "size": [1, 1], "seed": -3}]}' '"seed" takes a whole number'
