@@ -180,9 +180,7 @@ LEAFCAST_API void leafcast_free_places(leafcast_places *places);
 
 /* Objects that lie together in a world of their own, and that world at many places (M08 5.2:
  * multi-level instancing). Each object is drawn as if it was listed once for each of its group's
- * places, at its own place followed by that: with the same bits. A ray reads what it meets. Where
- * one place moves an object by more than 1e8 of its sizes and another one moves it back, what
- * rounding has taken from it may be missed.
+ * places, at its own place followed by that: with the same bits. A ray reads what it meets.
  *
  * Volumes of groups have surfaces, and nothing else: no media, no colour_by. Groups may lie in
  * groups, LEAFCAST_GROUPS_DEEP deep. All places of a scene together are below 2^32 - 1 objects. */

@@ -346,11 +346,11 @@ static status prepare_volume(turn *t, int i) {
 static void widen_by(const turn *t, int i, const tracer *tr, double box[2][3]) {
     double corners[8][3];
     tracer_corners(tr, corners);
-    for (int k = 0; k < 8; k++) {
-        double at[3];
-        placement_to_scene(&t->place[i], corners[k], at);
-        box3_widen(box, turn_grouped(t, i) ? at : corners[k], turn_grouped(t, i) ? at : corners[k]);
-    }
+    for (int k = 0; k < 8; k++)
+        if (turn_grouped(t, i))
+            placement_widen(&t->place[i], corners[k], box);
+        else
+            box3_widen(box, corners[k], corners[k]);
 }
 
 /* The box of an object in the world of the scene, or of its group: with that of what stands in for

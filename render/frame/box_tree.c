@@ -9,8 +9,11 @@
  * less than a hundredth of it. */
 static const double slack = 0x1p-24;
 
-/* Of a t of a plane, relative: more than there is. */
+/* Of a t of a plane, or of a point, relative: more than there is. */
 static const double rounding = 0x1p-48;
+
+/* A component of a direction below it moves no ray, and has no inverse. */
+static const double still = 0x1p-1000;
 
 /* ---- Making ---- */
 
@@ -190,11 +193,13 @@ static inline double greater(double a, double b) {
 }
 
 box_way box_way_of(const double origin[3], const double direction[3]) {
+    const double far = greater(greater(fabs(origin[0]), fabs(origin[1])), fabs(origin[2]));
     box_way w;
     for (int a = 0; a < 3; a++) {
         w.origin[a] = origin[a];
         w.direction[a] = direction[a];
-        w.inverse[a] = direction[a] == 0.0 ? 0.0 : 1.0 / direction[a];
+        w.inverse[a] = fabs(direction[a]) < still ? 0.0 : 1.0 / direction[a];
+        w.off[a] = rounding * far;
     }
     return w;
 }
@@ -216,17 +221,18 @@ static float bounded(double x) {
 /* A ray from where the way enters the box of all. On an axis that it hardly moves along it is as if
  * it stood still: over the whole box it moves by less than the margin. */
 static void begin_ray(const box_tree *t, const box_way *w, double from, box_ray *r) {
-    static const float still = 0x1p-70f, steepest = 0x1p+70f;
+    static const float slowest = 0x1p-70f, steepest = 0x1p+70f;
     const double *d = w->direction;
     r->from = from;
     r->unit = 1.0 / (greater(greater(fabs(d[0]), fabs(d[1])), fabs(d[2])) * t->scale);
     for (int a = 0; a < 3; a++) {
         const double way = from * d[a], at = (w->origin[a] + way - t->middle[a]) * t->scale;
         const double off = (fabs(w->origin[a]) + fabs(way) + fabs(t->middle[a])) * t->scale;
-        const double margin = 0x1p-20 * (fabs(at) + t->half[a]) + 0x1p-50 * off;
+        const double margin =
+            0x1p-20 * (fabs(at) + t->half[a]) + 0x1p-50 * off + w->off[a] * t->scale;
         const float along = (float)(d[a] * t->scale * r->unit);
         r->down[a] = d[a] < 0.0;
-        r->inverse[a] = fabsf(along) > still ? 1.0f / along : r->down[a] ? -steepest : steepest;
+        r->inverse[a] = fabsf(along) > slowest ? 1.0f / along : r->down[a] ? -steepest : steepest;
         r->near[a] = bounded(r->down[a] ? at - margin : at + margin);
         r->far[a] = bounded(r->down[a] ? at + margin : at - margin);
     }
@@ -236,15 +242,16 @@ bool box_tree_enter(const box_tree *t, const box_way *w, const box_span *within,
                     box_ray *r) {
     double t0 = -INFINITY, t1 = INFINITY;
     for (int a = 0; a < 3; a++) {
-        const double o = w->origin[a], d = w->direction[a];
-        if (d == 0.0) {
-            if (o < t->box[0][a] || o > t->box[1][a])
+        const double o = w->origin[a], low = t->box[0][a] - w->off[a],
+                     high = t->box[1][a] + w->off[a];
+        if (w->inverse[a] == 0.0) {
+            if (o < low || o > high)
                 return false;
             continue;
         }
-        const bool up = d > 0.0;
-        t0 = greater(t0, (t->box[!up][a] - o) * w->inverse[a]);
-        t1 = lesser(t1, (t->box[up][a] - o) * w->inverse[a]);
+        const bool up = w->inverse[a] > 0.0;
+        t0 = greater(t0, ((up ? low : high) - o) * w->inverse[a]);
+        t1 = lesser(t1, ((up ? high : low) - o) * w->inverse[a]);
     }
     /* The t are right but for their last digits; those of what is returned are wider. */
     if (!(t0 - rounding * fabs(t0) <= t1 + rounding * fabs(t1)))

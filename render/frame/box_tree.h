@@ -50,7 +50,8 @@ void box_tree_release(box_tree *t, mem *m);
 /* A ray, or its way in the world of a tree. */
 typedef struct box_way {
     double origin[3], direction[3];
-    double inverse[3]; /* of the direction, but for 0 */
+    double inverse[3]; /* of the direction; 0: it does not move along the axis, or hardly */
+    double off[3];     /* so far it may pass from where the tracers have it */
 } box_way;
 
 /* The part of it that is of interest. */
@@ -58,6 +59,7 @@ typedef struct box_span {
     double t0, t1;
 } box_span;
 
+/* box_way_of() - a ray of the scene's world. */
 box_way box_way_of(const double origin[3], const double direction[3]);
 
 /* Such a way in a tree, from where it enters the box of all: t = from + s * unit. It moves by 1 at

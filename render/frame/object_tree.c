@@ -72,6 +72,22 @@ static level level_behind(const level *l, uint32_t entry) {
     return (level){g->places, NULL, g, first};
 }
 
+/* Sets off[] to how far a way, taken to where a place has it, may pass from where a tracer has it,
+ * which takes the ray there by all places at once. Wherever the tree is met, the ray has come about
+ * as far as its origin is from there: so the rounding of its direction is of that size, too. */
+static void set_off(const placement *p, const box_way *w, double off[3]) {
+    const double uneven = p->grow / p->shrink;
+    double from[3];
+    for (int i = 0; i < 3; i++)
+        from[i] = 0x1p-49 * (fabs(w->origin[i]) + fabs(p->space.to_world[i][3])) + w->off[i];
+    for (int a = 0; a < 3; a++) {
+        double sum = 0.0;
+        for (int i = 0; i < 3; i++)
+            sum += fabs(p->space.to_grid[a][i]) * from[i];
+        off[a] = uneven * sum;
+    }
+}
+
 /* Go on behind an entry. *own: the way as that has it, if it differs; returns the one to go on
  * with. */
 static const box_way *enter(const level *l, uint32_t entry, const box_way *w, level *next,
@@ -83,6 +99,7 @@ static const box_way *enter(const level *l, uint32_t entry, const box_way *w, le
     const placement *p = &l->places->place[entry];
     *own = box_way_of(placement_point(p, w->origin, origin),
                       placement_vector(p, w->direction, direction));
+    set_off(p, w, own->off);
     return own;
 }
 
@@ -223,9 +240,9 @@ static object_entry entry_of(const object_tree *t, const object_ray *r, uint32_t
     }
 }
 
-/* Whether a list is of a ray, from the same t0. */
+/* Whether a list is of a ray, from the same t0, and as far as that goes. */
 static bool is_list_of(const object_list *list, const object_ray *r) {
-    return list->count > 0 && list->t0 == r->t0 &&
+    return list->count > 0 && list->t0 == r->t0 && list->t1 >= r->t1 &&
            memcmp(list->origin, r->origin, sizeof list->origin) == 0 &&
            memcmp(list->direction, r->direction, sizeof list->direction) == 0;
 }
@@ -238,6 +255,7 @@ static void fill_list(const object_tree *t, const object_ray *r, const object_en
     search s = {*before, r->t1, list};
     list->count = 0;
     list->t0 = r->t0;
+    list->t1 = r->t1;
     memcpy(list->origin, r->origin, sizeof list->origin);
     memcpy(list->direction, r->direction, sizeof list->direction);
     search_next(&l, &w, &(box_span){r->t0, r->t1}, &s);

@@ -72,7 +72,7 @@ enum { OBJECT_LIST = 8 };
 
 /* The next objects on a ray behind one that was asked for. */
 typedef struct object_list {
-    double origin[3], direction[3], t0; /* of the ray */
+    double origin[3], direction[3], t0, t1; /* of the ray */
     object_entry of[OBJECT_LIST];
     unsigned count; /* 0: of no ray yet; OBJECT_LIST: there may be others behind them */
 } object_list;

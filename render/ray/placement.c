@@ -125,14 +125,26 @@ void placement_to_scene(const placement *p, const double own[3], double scene[3]
         memcpy(scene, own, 3 * sizeof *scene);
 }
 
+void placement_widen(const placement *p, const double own[3], double scene[2][3]) {
+    double at[3], low[3], high[3];
+    placement_to_scene(p, own, at);
+    for (int i = 0; i < 3; i++) {
+        double far = p->moved ? fabs(p->space.to_world[i][3]) : 0.0;
+        for (int a = 0; a < 3 && p->moved; a++)
+            far += fabs(p->space.to_world[i][a] * own[a]);
+        low[i] = at[i] - 4.0 * DBL_EPSILON * far;
+        high[i] = at[i] + 4.0 * DBL_EPSILON * far;
+    }
+    box3_widen(scene, low, high);
+}
+
 void placement_box(const placement *p, const double own[2][3], double scene[2][3]) {
     box3_begin(scene);
     for (int k = 0; k < 8; k++) {
-        double corner[3], at[3];
+        double corner[3];
         for (int a = 0; a < 3; a++)
             corner[a] = own[k >> a & 1][a];
-        placement_to_scene(p, corner, at);
-        box3_widen(scene, at, at);
+        placement_widen(p, corner, scene);
     }
 }
 

@@ -40,7 +40,9 @@ const double *placement_vector(const placement *p, const double scene[3], double
 /* placement_to_scene() - take a point of the volume's own world to the scene's. */
 void placement_to_scene(const placement *p, const double own[3], double scene[3]);
 
-/* placement_box() - a box of the scene's world around one of the volume's own. */
+/* placement_widen() - widen a box of the scene's world to hold a point of the volume's own, by
+ * rounding more. placement_box() - such a box around one of the volume's own. */
+void placement_widen(const placement *p, const double own[3], double scene[2][3]);
 void placement_box(const placement *p, const double own[2][3], double scene[2][3]);
 
 /* placement_take_back() - take a point of a surface to the scene's world. reach: bounds of the
