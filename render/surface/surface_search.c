@@ -80,9 +80,11 @@ bool surface_search_ask(const frame *f, const world_ray *w, const tracer *const 
                         uint16_t *volume, surface_search *s, ray_question *q) {
     for (; reach(f, w, &q->objects, s); ++s->object) {
         placement place;
+        *volume = frame_volume(f, s->object, &place);
+        if (s->stand_in && !(coarse && coarse[*volume])) /* closed while the ray waited */
+            s->searching = s->stand_in = false;
         if (!s->searching)
             begin(s, w);
-        *volume = frame_volume(f, s->object, &place);
         q->tracer = s->stand_in ? coarse[*volume] : &f->tracer[*volume];
         q->state = &s->state;
         if (ray_in(f, w, s->object, q->tracer, &place, &q->ray))
