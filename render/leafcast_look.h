@@ -151,7 +151,9 @@ typedef struct leafcast_shown {
     /* `colours` are of another field's value at each point of a surface instead: origin + t
      * direction of the ray that has met it, where the value is leafcast_sample.value as
      * leafcast_probe_point() finds it (at a coarse level of detail, at that level). Where that is
-     * NaN, surfaces have the colour of surfaces[].rgb. NULL: by the surface's own value. Ignored by
+     * NaN, surfaces have the colour of surfaces[].rgb. NULL: by the surface's own value. Of terrain
+     * whose field is named "rgb", an image (leafcast convert --field rgb), the colours themselves
+     * are taken, mixed as light between its nodes, and `colours` may be NULL. Ignored by
      * projections, single rays and caps. LEAFCAST_USAGE: `colours` is NULL, or the other volume is
      * a surface itself, or shown with another field or step. */
     const leafcast_colouring *colour_by;

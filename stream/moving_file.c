@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/base/colour_field.h"
 #include "formats/base/file.h"
 
 static void fill_header(leaf_file *f, const moving_source *src, uint32_t treelets) {
@@ -60,7 +61,7 @@ static void name_fields(leaf_file *f, const moving_source *src) {
     if (src->values)
         snprintf(f->names[0], sizeof f->names[0], "%s", src->name ? src->name : "value");
     if (coloured)
-        snprintf(f->names[f->header.fields - 1], sizeof f->names[0], "%s", TRIANGLE_COLOURS);
+        snprintf(f->names[f->header.fields - 1], sizeof f->names[0], "%s", COLOUR_FIELD);
     memcpy(f->header.field, f->names[0], sizeof f->header.field);
 }
 

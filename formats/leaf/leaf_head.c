@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "formats/base/colour_field.h"
 #include "formats/base/text.h"
 #include "formats/leaf/curvilinear_zones.h"
 
@@ -36,7 +37,9 @@ void leaf_head_grid(leaf_header *h, const leaf_layout *l, const leaf_parameters 
     h->outside_chunks = p->chunk_count;
     h->fields = sets->fields;
     h->steps = sets->steps;
-    if (l->sets > 1 || h->segments)
+    /* The name of a lone field says nothing, unless it says that these are colours. */
+    const bool colours = g->heights && sets->names && strcmp(sets->names[0], COLOUR_FIELD) == 0;
+    if (l->sets > 1 || h->segments || colours)
         leaf_head_text(h->field, sizeof h->field, sets->names ? sets->names[0] : "");
     memcpy(h->to_world, g->to_world, sizeof h->to_world);
     leaf_head_text(h->name, sizeof h->name, g->name);

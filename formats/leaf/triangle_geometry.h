@@ -15,7 +15,7 @@
  * Of the header: tets: triangles; vertices: points of the input that have triangles; treelet_tets:
  * triangles in a treelet at most; flat: triangles whose vertices are on a line.
  *
- * A field named "rgb" holds colours: 65536 r + 256 g + b, with r, g, b from 0 to 255 (sRGB).
+ * A field may hold colours (colour_field.h).
  */
 #ifndef FORMATS_LEAF_TRIANGLE_GEOMETRY_H
 #define FORMATS_LEAF_TRIANGLE_GEOMETRY_H
@@ -28,8 +28,6 @@ enum {
     TRIANGLE_CORNERS = 3,
     TRIANGLES_MAX = 16384 /* of a treelet, so that 16 bits number its vertices */
 };
-
-#define TRIANGLE_COLOURS "rgb" /* the name of a field of colours */
 
 /* Where the parts of a treelet's payloads begin, in bytes. */
 typedef struct triangle_shape {

@@ -1,13 +1,13 @@
-/* surface_colour.h - a colour as the value of a field: 65536 r + 256 g + b, of sRGB bytes.
+/* surface_colour.h - a colour as the value of a field (colour_field.h).
  *
- * Every such number is exact in a float. Colours are as stored, but for glTF's, which are linear.
+ * Colours are as stored, but for glTF's, which are linear.
  */
 #ifndef FORMATS_SURFACE_SURFACE_COLOUR_H
 #define FORMATS_SURFACE_SURFACE_COLOUR_H
 
 #include <math.h>
 
-#define SURFACE_COLOUR "rgb" /* the field's name, where the format has none */
+#include "formats/base/colour_field.h"
 
 static inline double surface_colour_byte(double v) {
     return v >= 0 ? v < 255 ? floor(v + 0.5) : 255 : 0; /* NaN: 0 */

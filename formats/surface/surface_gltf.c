@@ -231,7 +231,7 @@ static status open_file(mesh_source *source, void **state) {
     bool coloured = false;
     for (size_t i = 0; st == ST_OK && i < g->file.count; i++)
         coloured = coloured || g->file.parts[i].colours.path;
-    const surface_field rgb = {.name = SURFACE_COLOUR, .components = 1, .colour = true};
+    const surface_field rgb = {.name = COLOUR_FIELD, .components = 1, .colour = true};
     return coloured ? surface_choice_add(&g->choice, &rgb) : st;
 }
 

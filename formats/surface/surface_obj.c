@@ -300,7 +300,7 @@ static status open_file(mesh_source *source, void **state) {
     if (st == ST_OK)
         st = read_vertex(o, copy + strspn(copy, " \t") + 1, numbers, &count);
     mem_free(o->m, copy);
-    const surface_field rgb = {.name = SURFACE_COLOUR, .components = 1, .colour = true};
+    const surface_field rgb = {.name = COLOUR_FIELD, .components = 1, .colour = true};
     return st == ST_OK && count >= 6 ? surface_choice_add(&o->choice, &rgb) : st;
 }
 

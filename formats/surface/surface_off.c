@@ -171,7 +171,7 @@ static status open_file(mesh_source *source, void **state) {
     o->choice.source = source;
     o->t = (text_tokens){.s = source->data, .line = 1, .comment = '#'};
     status st = read_header(o);
-    const surface_field rgb = {.name = SURFACE_COLOUR, .components = 1, .colour = true};
+    const surface_field rgb = {.name = COLOUR_FIELD, .components = 1, .colour = true};
     return st == ST_OK && o->colours ? surface_choice_add(&o->choice, &rgb) : st;
 }
 

@@ -232,7 +232,7 @@ static status add_fields(ply *p, const ply_element *e) {
     }
     f.aside = false;
     f.colour = true;
-    strcpy(f.name, SURFACE_COLOUR);
+    strcpy(f.name, COLOUR_FIELD);
     return st == ST_OK && has_colour(e) ? surface_choice_add(&p->choice, &f) : st;
 }
 

@@ -3,6 +3,7 @@
 #include <endian.h>
 #include <string.h>
 
+#include "formats/base/colour_field.h"
 #include "formats/base/vec3.h"
 #include "formats/leaf/triangle_geometry.h"
 
@@ -65,7 +66,7 @@ char *piece_bytes_records(const piece_view *v, const piece_array *a, char *to) {
 }
 
 bool piece_bytes_is_colour(const piece_info *info, uint32_t field) {
-    return strcmp(info->fields[field], TRIANGLE_COLOURS) == 0;
+    return strcmp(info->fields[field], COLOUR_FIELD) == 0;
 }
 
 /* Of a value that is no colour: black. */

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/base/colour_field.h"
 #include "formats/leaf/leaf_histogram.h"
 #include "prep/grid/grid_levels.h"
 
@@ -40,7 +41,14 @@ static status create_benches(grid_conversion *c) {
     return ST_OK;
 }
 
-static status create_stages(grid_conversion *c, const char *output) {
+/* Whether the samples of c->set are an image's colours (formats/HEIGHTS.md). */
+static bool are_colours(const grid_conversion *c, const grid *g) {
+    const leaf_sets *sets = c->o->series ? &c->o->series->of.sets : NULL;
+    return g->heights && c->layout->type == SAMPLE_F32 && sets && sets->names &&
+           strcmp(sets->names[c->set / sets->steps], COLOUR_FIELD) == 0;
+}
+
+static status create_stages(grid_conversion *c, const grid *g, const char *output) {
     for (uint32_t level = 0; level < c->layout->sampled; level++) {
         grid_stage *s = &c->stages[level];
         slab_plan how = convert_plan_slab(c->plan, level, c->o->threads);
@@ -49,8 +57,8 @@ static status create_stages(grid_conversion *c, const char *output) {
             return st;
         if (level + 1 == c->layout->sampled)
             break;
-        st = pyramid_create(c->m, c->layout->type, c->layout->level[level].dims, c->o->threads,
-                            &s->up);
+        st = pyramid_create(c->m, c->layout->type, are_colours(c, g), c->layout->level[level].dims,
+                            c->o->threads, &s->up);
         if (st != ST_OK)
             return st;
         const uint32_t *coarse = c->layout->level[level + 1].dims;
@@ -192,7 +200,7 @@ static status convert_set(grid_conversion *c, volume *v, const char *output) {
     c->slices_done = c->resumes ? c->slices_done : 0;
     c->slabs = leaf_slabs_begin(c->layout);
     (void)grid_levels_pass(c);
-    status st = create_stages(c, output);
+    status st = create_stages(c, g, output);
     if (st == ST_OK)
         st = begin_histogram(c, g);
     if (st == ST_OK)

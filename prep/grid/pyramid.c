@@ -17,6 +17,7 @@ enum { CENTRE_MISSING = 1 << 15, WEIGHT_MASK = CENTRE_MISSING - 1, WHOLE_PLANE =
 struct pyramid {
     mem *m;
     sample_type type;
+    bool colours;
     const pyramid_rows *rows_of;
     uint32_t fine[3], coarse[3];
     uint32_t fed, done; /* fine slices so far; coarse slices so far */
@@ -128,7 +129,7 @@ static bool is_dirty(const pyramid *p, const band *b, const char *slice, const u
     const size_t row = p->fine[0];
     uint32_t from, to;
     fine_rows(p, b, &from, &to);
-    if (p->type != SAMPLE_F32)
+    if (p->type != SAMPLE_F32 || p->colours)
         return false;
     for (uint32_t y = from; y <= to; y++) {
         const float *samples = (const float *)(const void *)slice + y * row;
@@ -343,19 +344,20 @@ uint64_t pyramid_memory(sample_type type, const uint32_t fine[3], int threads) {
            4096;
 }
 
-status pyramid_create(mem *m, sample_type type, const uint32_t fine[3], int threads,
+status pyramid_create(mem *m, sample_type type, bool colours, const uint32_t fine[3], int threads,
                       pyramid **out) {
-    assert(type >= SAMPLE_U8 && type <= SAMPLE_F32);
+    assert(type >= SAMPLE_U8 && type <= SAMPLE_F32 && (!colours || type == SAMPLE_F32));
     pyramid *p = mem_zalloc(m, sizeof *p);
     if (!p)
         return ST_NOMEM;
     p->m = m;
     p->type = type;
+    p->colours = colours;
     for (int a = 0; a < 3; a++) {
         p->fine[a] = fine[a];
         p->coarse[a] = pyramid_coarse(fine[a]);
     }
-    p->rows_of = pyramid_rows_for(cpu_best(), type);
+    p->rows_of = colours ? pyramid_rows_of_colours() : pyramid_rows_for(cpu_best(), type);
     const size_t sum_size = p->rows_of->sum_size, plane = (size_t)p->coarse[0] * p->coarse[1];
     const size_t rows = (size_t)threads * TAPS * p->coarse[0];
     for (int i = 0; i < TAPS; i++) {

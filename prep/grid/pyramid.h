@@ -10,12 +10,14 @@
  *             all five planes are the same: a constant stays as it is). NaN and infinity have
  *             weight 0; a coarse node whose (clamped) centre is one of them is the quiet NaN
  *             0x7FC00000
+ *   colours   (colour_field.h; f32) each byte as integers are: the mean of what is stored, in sRGB
  *
  * Bit-exact whatever the threads: one thread does a band of rows, and no sum crosses bands.
  */
 #ifndef PREP_GRID_PYRAMID_H
 #define PREP_GRID_PYRAMID_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "formats/base/mem.h"
@@ -29,10 +31,10 @@ typedef struct pyramid pyramid;
 /* Bits behind the leading one: errors of rounding are at most 2^-13 of a value. */
 enum { PYRAMID_BITS = 12 };
 
-/* pyramid_create() - type: a result of sample_stored(). fine: nodes per axis of the finer level,
- * each >= 2. threads: of the pools that it will be fed with. */
-CHECKED status pyramid_create(mem *m, sample_type type, const uint32_t fine[3], int threads,
-                              pyramid **out);
+/* pyramid_create() - type: a result of sample_stored(). colours: samples are. fine: nodes per axis
+ * of the finer level, each >= 2. threads: of the pools that it will be fed with. */
+CHECKED status pyramid_create(mem *m, sample_type type, bool colours, const uint32_t fine[3],
+                              int threads, pyramid **out);
 void pyramid_destroy(pyramid *p); /* NULL is fine */
 
 /* pyramid_memory() - bytes that pyramid_create() takes. */

@@ -28,6 +28,10 @@ typedef struct pyramid_rows {
 /* pyramid_rows_for() - the filters of an ISA for samples of sample_stored() types. */
 const pyramid_rows *pyramid_rows_for(cpu_isa isa, sample_type type);
 
+/* pyramid_rows_of_colours() - those for colours (colour_field.h), each of their bytes by itself.
+ */
+const pyramid_rows *pyramid_rows_of_colours(void);
+
 /* pyramid_rows_shorten() - round a finite float to PYRAMID_BITS, half to even; down where the
  * result would be infinite. */
 static inline float pyramid_rows_shorten(float value) {

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "formats/base/colour_field.h"
 #include "formats/base/num.h"
 #include "formats/input/named_file.h"
 #include "render/ray/kind.h"
@@ -17,6 +18,11 @@ void colour_by_close(colour_by *b) {
 leafcast_axes colour_by_world(const leafcast *volume) {
     const leafcast_axes asked = (leafcast_axes)volume->options.axes;
     return asked != LEAFCAST_AXES_FILE ? asked : leafcast_describe(volume).axes;
+}
+
+bool colour_by_image(const leafcast_colouring *by) {
+    return by->volume->kind->draped &&
+           strcmp(leafcast_field_name(by->volume, by->field), COLOUR_FIELD) == 0;
 }
 
 /* ---- Opening ---- */

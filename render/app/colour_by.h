@@ -32,6 +32,9 @@ CHECKED status colour_by_find(colour_by *b, const view_options *v, leafcast_axes
                               leafcast_shown *shown, leafcast_colouring *out);
 void colour_by_close(colour_by *b);
 
+/* colour_by_image() - whether an image colours, by its own colours. */
+bool colour_by_image(const leafcast_colouring *by);
+
 /* colour_by_world() - the axes of the world that a volume was opened in: those asked for, or its
  * own.
  */

@@ -183,6 +183,17 @@ static status fill_volume(picture_scene *p, const picture_volume *volumes, int v
     return st;
 }
 
+/* An image colours an object: by itself. */
+static status drape_image(picture_scene *p, const view_options *v, int volume) {
+    p->media[volume] = (leafcast_medium){.count = 0};
+    if (!medium_options_given(&v->medium))
+        return ST_OK;
+    return status_describe(ST_USAGE,
+                           "--colour-by %s: that is an image, which has its own colours: without "
+                           "--colour-map, --tf and --window",
+                           v->colour_by);
+}
+
 /* Colour the caps by the values of the first volume. */
 static status colour_caps(picture_scene *p, const picture_volume *first, leafcast_scene *scene) {
     const view_options *v = first->view;
@@ -286,7 +297,9 @@ status picture_scene_describe(picture_scene *p, const picture_volume *volumes, i
             st = check_grouped(&volumes[i]);
         if (st == ST_OK)
             st = find_colouring(p, volumes, count, i, keeper);
-        if (st == ST_OK && (filled || view_options_coloured(v)))
+        if (st == ST_OK && p->shown[i].colour_by && colour_by_image(p->shown[i].colour_by))
+            st = drape_image(p, v, i);
+        else if (st == ST_OK && (filled || view_options_coloured(v)))
             st = fill_volume(p, volumes, i, keeper);
     }
     scene->volumes = p->shown;

@@ -197,8 +197,6 @@ static const public_field shown_rows[] = {
 
 static status shown_together(const void *of) {
     const leafcast_shown *s = of;
-    if (s->colour_by && !(s->colours && s->colours->count > 0))
-        return status_describe(ST_USAGE, "leafcast_shown.colour_by: there are no colours");
     return placement_check(s->place);
 }
 

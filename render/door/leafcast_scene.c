@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "formats/base/colour_field.h"
 #include "render/door/arguments.h"
 #include "render/door/between_steps.h"
 #include "render/door/leafcast_volume.h"
@@ -98,6 +99,13 @@ static status check_shown(const leafcast *v, const leafcast_scene *scene, int i,
     return st == ST_OK && empty ? arguments_check_surfaces(s->surfaces, s->count) : st;
 }
 
+/* Whether what colours an object is an image, whose values are colours. */
+static bool has_colours(const leafcast_colouring *by) {
+    const leaf_file *f = by->volume->file;
+    return by->volume->kind->draped && by->between == 0.0 && by->field < f->header.fields &&
+           strcmp(leaf_file_field_name(f, by->field), COLOUR_FIELD) == 0;
+}
+
 /* Check what colours object i. `listed` of a volume that only colours is volume_count + the first
  * object that it colours. */
 static status check_colouring(const leafcast *v, const leafcast_scene *scene, int i, int known) {
@@ -112,6 +120,9 @@ static status check_colouring(const leafcast *v, const leafcast_scene *scene, in
                                "what colours volume %d of the scene, of %s, is a surface itself: "
                                "it has no values at points",
                                i + 1, by->volume->kind->name);
+    const leafcast_medium *colours = scene->volumes[i].colours;
+    if (!(colours && colours->count > 0) && !has_colours(by))
+        return status_describe(ST_USAGE, "leafcast_shown.colour_by: there are no colours");
     const world_axes axes = by->volume->axes,
                      other_axes = known < 0 ? axes : scene->volumes[known].volume->axes;
     if (axes && axes != other_axes)
@@ -288,5 +299,11 @@ status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const came
 status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     if (v->isovalue_count == 0 && !scene_is_filled(scene))
         return status_describe(ST_USAGE, "no isosurface is selected");
-    return volume_tracer_of_all(v, scene, c, tr);
+    const status st = volume_tracer_of_all(v, scene, c, tr);
+    if (st != ST_OK || !tr->coloured || !v->kind->draped)
+        return st;
+    return status_describe(ST_USAGE,
+                           "field \"%s\" of this %s is an image, which has no elevations: surfaces "
+                           "are coloured by it (leafcast_shown.colour_by)",
+                           COLOUR_FIELD, v->kind->name);
 }

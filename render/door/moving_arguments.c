@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "formats/base/colour_field.h"
 #include "formats/leaf/triangle_geometry.h"
 
 static const public_field triangles_rows[] = {
@@ -21,7 +22,7 @@ static const public_field triangles_rows[] = {
 /* Vertices are checked where they are copied. */
 static status triangles_together(const void *of) {
     const leafcast_triangles *s = of;
-    if (s->field && strcmp(s->field, TRIANGLE_COLOURS) == 0)
+    if (s->field && strcmp(s->field, COLOUR_FIELD) == 0)
         return status_describe(ST_USAGE, "leafcast_triangles.field is \"%s\", the name of colours",
                                s->field);
     for (uint32_t i = 0; i < s->triangle_count; i++)

@@ -13,7 +13,8 @@
 typedef struct heights_field {
     sample_type type;
     uint32_t halo;
-    double unit[3]; /* world lengths of grid units */
+    double unit[3];    /* world lengths of grid units */
+    double light[256]; /* of a byte of a colour */
 } heights_field;
 
 /* A treelet, prepared for rays. */

@@ -4,9 +4,11 @@
 #include <string.h>
 
 #include "formats/base/box3.h"
+#include "formats/base/colour_field.h"
 #include "render/heights/heights_tile.h"
 #include "render/heights/heights_walk.h"
 #include "render/look/camera.h"
+#include "render/look/picture_bytes.h"
 #include "render/look/projection.h"
 #include "render/look/scene_facts.h"
 #include "render/ray/open_volume.h"
@@ -19,11 +21,20 @@ static status heights_open(leafcast *v) {
         return ST_NOMEM;
     own->type = v->file->layout.type;
     own->halo = v->file->layout.halo;
+    for (int k = 0; k < 256; k++)
+        own->light[k] = picture_linear(k / 255.0);
     return ST_OK;
 }
 
 static void heights_close(leafcast *v) {
     mem_free(v->m, v->own);
+}
+
+/* Whether the samples are an image's colours, and no elevations. */
+static bool are_colours(const leafcast *v) {
+    const leaf_file *f = v->file;
+    return f->layout.type == SAMPLE_F32 &&
+           strcmp(leaf_file_field_name(f, v->set / f->layout.steps), COLOUR_FIELD) == 0;
 }
 
 /* The box in grid space, its elevations widened by a share of their range. */
@@ -143,6 +154,7 @@ static void heights_aim(leafcast *v, const leafcast_scene *scene, const camera *
         tr->stop = v->stop;
     }
     tr->coarse = tr->coarse || tr->target_level > 0;
+    tr->coloured = are_colours(v);
     tr->boxed = tr->preview || tr->lenient || tr->stop || tr->target_level > 0;
 }
 
@@ -307,23 +319,58 @@ static heights_block block_in(const leafcast *v, const treelet *at) {
     return heights_block_of(&tr, at);
 }
 
+/* A place in its patch. */
+typedef struct patch_place {
+    plan_place at;
+    heights_patch patch;
+    bool whole; /* no hole */
+    uint64_t cell;
+} patch_place;
+
+/* Returns false beside the lattice. */
+static bool find_patch(const leafcast *v, const treelet *at, const double point[3],
+                       patch_place *out) {
+    const heights_block b = block_in(v, at);
+    if (!find_place(v, b.of->level, point, &out->at))
+        return false;
+    const uint32_t i = out->at.cell[0] - b.of->first_cell[0],
+                   k = out->at.cell[1] - b.of->first_cell[2];
+    out->whole = heights_block_patch(&b, i, k, &out->patch);
+    out->cell = heights_block_cell(&b, i, k);
+    return true;
+}
+
 static void heights_cell_in(const leafcast *v, const treelet *at, const double point[3],
                             leafcast_sample *out) {
-    const heights_block b = block_in(v, at);
-    plan_place p;
-    heights_patch x;
-    if (!find_place(v, b.of->level, point, &p))
+    patch_place p;
+    if (!find_patch(v, at, point, &p))
         return;
-    const uint32_t i = p.cell[0] - b.of->first_cell[0], k = p.cell[1] - b.of->first_cell[2];
-    const bool whole = heights_block_patch(&b, i, k, &x);
-    const double slope[3] = {heights_patch_slope(&x, 0, p.at[1]), 0.0,
-                             heights_patch_slope(&x, 1, p.at[0])};
-    *out = (leafcast_sample){.inside = true, .treelet = at->id};
-    out->cell = heights_block_cell(&b, i, k);
-    memcpy(out->at, p.at, sizeof p.at);
-    out->value = whole ? heights_patch_at(x.h, p.at[0], p.at[1]) : (double)NAN;
-    out->nearest = x.h[(p.at[0] >= 0.5) + 2 * (p.at[1] >= 0.5)];
-    affine_gradient_to_world(&v->space, slope, out->gradient);
+    const double *share = p.at.at, *h = p.patch.h;
+    const double slope[3] = {heights_patch_slope(&p.patch, 0, share[1]), 0.0,
+                             heights_patch_slope(&p.patch, 1, share[0])};
+    *out = (leafcast_sample){.inside = true, .treelet = at->id, .cell = p.cell};
+    memcpy(out->at, share, sizeof p.at.at);
+    out->nearest = h[(share[0] >= 0.5) + 2 * (share[1] >= 0.5)];
+    out->value = p.whole ? heights_patch_at(h, share[0], share[1]) : (double)NAN;
+    if (p.whole && are_colours(v))
+        out->value = out->nearest; /* between two colours, numbers are others */
+    else
+        affine_gradient_to_world(&v->space, slope, out->gradient);
+}
+
+static bool heights_colour_in(const leafcast *v, const treelet *at, const double point[3],
+                              float rgb[3]) {
+    const heights_field *own = v->own;
+    patch_place p;
+    if (!find_patch(v, at, point, &p) || !p.whole)
+        return false;
+    for (int c = 0; c < 3; c++) {
+        double light[4];
+        for (int k = 0; k < 4; k++)
+            light[k] = own->light[colour_field_bytes(p.patch.h[k]) >> (16 - 8 * c) & 255U];
+        rgb[c] = (float)heights_patch_at(light, p.at.at[0], p.at.at[1]);
+    }
+    return true;
 }
 
 /* ---- Cells ---- */
@@ -401,6 +448,7 @@ const kind heights_kind = {.name = "heights",
                            .segments_error = no_error,
                            .gradient = no_gradient,
                            .cell_in = heights_cell_in,
+                           .colour_in = heights_colour_in,
                            .tiles = &tiles,
                            .cell_of_hit = heights_cell_of_hit,
                            .cell_indices = heights_cell_indices,

@@ -81,7 +81,7 @@ static bool way_block_of(const heights_block *b, const double from[3], double sl
     const uint32_t levels = b->of->shape.node_levels;
     const double codes = b->step > 0.0 ? 1.0 / b->step : 0.0, far = b->range[1] - b->range[0];
     const double most = fabs(from[1]) + fabs(b->range[0]) + fabs(b->range[1]);
-    bool fine = most * codes < 0x1p36 && far < 0x1p127;
+    bool fine = most * codes < 0x1p36 && codes < 0x1p127 && far < 0x1p127;
     out->b = b;
     out->least = b->range[0];
     out->codes = codes;

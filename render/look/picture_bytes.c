@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/base/colour_field.h"
+
 /* x^(1/5) for x in (0, 1], by Newton's method from above: every step but the last decreases. */
 static double fifth_root(double x) {
     double root = 1.0;
@@ -21,6 +23,12 @@ double picture_linear(double x) {
         return x / 12.92;
     const double base = (x + 0.055) / 1.055;
     return base * base * fifth_root(base * base);
+}
+
+void picture_light(double colour, double rgb[3]) {
+    const uint32_t bytes = colour_field_bytes(colour);
+    for (int c = 0; c < 3; c++)
+        rgb[c] = picture_linear((bytes >> (16 - 8 * c) & 255U) / 255.0);
 }
 
 /* The high half of a float's bits: sign, exponent and 7 bits of the fraction. */

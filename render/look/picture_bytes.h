@@ -14,6 +14,9 @@
 /* picture_linear() - the linear light of an sRGB component in [0, 1]. */
 double picture_linear(double encoded);
 
+/* picture_light() - the linear light of a colour as a field has it (colour_field.h). */
+void picture_light(double colour, double rgb[3]);
+
 /* The table covers 2^-13, below which the byte is 0, to 1, with 128 buckets an octave. A bucket has
  * at most one border between two bytes. */
 enum { BYTES_OCTAVES = 13, BYTES_BUCKETS = 128 * BYTES_OCTAVES };

@@ -95,7 +95,8 @@ typedef struct kind {
      * no pieces, no extremes, and holds no points. */
     bool given;
     /* A surface that lies over a plane, a value to each place of it: a point has the value at its
-     * own place, whether it is above or below. */
+     * own place, whether it is above or below. Where these are colours (tracer.coloured), it is
+     * not drawn itself. */
     bool draped;
 
     /* ---- An open volume ---- */
@@ -133,6 +134,9 @@ typedef struct kind {
      * may be not finite. If no cell holds the point, *out stays unchanged. */
     void (*cell_in)(const leafcast *v, const treelet *at, const double point[3],
                     leafcast_sample *out);
+    /* Set rgb[] to the light at a point, of values that are colours. Returns false, and leaves
+     * rgb[], where cell_in() finds no value. NULL: its values are no colours at points. */
+    bool (*colour_in)(const leafcast *v, const treelet *at, const double point[3], float rgb[3]);
 
     /* ---- Capabilities; NULL: none ---- */
 

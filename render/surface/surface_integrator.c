@@ -27,15 +27,16 @@ bool surface_opaque(const frame *f) {
     return true;
 }
 
-void surface_colour_by(const frame *f, uint16_t v, const hit *found, double value,
+void surface_colour_by(const frame *f, uint16_t v, const hit *found, const surface_value *value,
                        surface_point *point) {
     const surface_look *look = surface_look_of(f);
     double rgb[3];
-    if (isnan(value)) {
-        memcpy(point->own, look->surfaces[v][found->iso].rgb, sizeof point->own);
+    if (value->light || isnan(value->value)) {
+        memcpy(point->own, value->light ? value->rgb : look->surfaces[v][found->iso].rgb,
+               sizeof point->own);
         return;
     }
-    transfer_rgb(&look->colours[v], value, rgb);
+    transfer_rgb(&look->colours[v], value->value, rgb);
     for (int c = 0; c < 3; c++)
         point->own[c] = (float)rgb[c];
 }

@@ -42,7 +42,7 @@ static inline const surface_lookup *surface_lookup_of(const frame *f, uint16_t v
 /* surface_colour() - the colour of a surface of volume v that was met. With a surface_lookup_of()
  * it is point->own, where surface_colour_by() has put it: that of a value, or of the surface where
  * the value is NaN. */
-void surface_colour_by(const frame *f, uint16_t v, const hit *found, double value,
+void surface_colour_by(const frame *f, uint16_t v, const hit *found, const surface_value *value,
                        surface_point *point);
 void surface_colour(const frame *f, uint16_t v, const hit *found, const surface_point *point,
                     float rgb[3]);

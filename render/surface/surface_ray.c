@@ -307,14 +307,14 @@ static bool find_colour(const frame *f, surface_ray *p, ray_question *q) {
     const lit_surface s = current(f, p);
     const surface_lookup *by = surface_lookup_of(f, s.volume);
     uint32_t *wanted = &p->search.state.blocked;
-    double value;
+    surface_value value;
     if (!surface_value_at(f, by, s.at, wanted, &p->provisional, &value)) {
         p->head.volume = by->object;
         *q = (ray_question){.tracer = &f->tracer[by->object], .missed = *wanted};
         return false;
     }
     p->head.volume = 0;
-    surface_colour_by(f, s.volume, s.found, value, &p->search.point);
+    surface_colour_by(f, s.volume, s.found, &value, &p->search.point);
     begin_lighting(f, p);
     return true;
 }

@@ -102,9 +102,10 @@ SIMD vf looks_of(const tile_state *s, const tile_layer *l, unsigned i, unsigned 
 }
 
 /* Whether surfaces have other colours than those of surfaces as a whole. */
-static bool has_colours(const tile_state *s) {
+static bool has_colours(const tile_state *s, const tile_kind *kind) {
     const transfer *by_value = surface_look_of(s->f)->colours;
-    return s->f->tracer->coloured || (by_value && by_value->spans > 0);
+    const bool own = s->f->tracer->coloured || (by_value && by_value->spans > 0);
+    return surface_lookup_of(s->f, 0) || (own && kind->colours);
 }
 
 static uint32_t pixel_of(const tile_state *s, unsigned i) {
@@ -122,7 +123,8 @@ static void colours_by(const tile_state *s, const surface_lookup *by, const tile
         surface_point point;
         uint32_t wanted = LEAF_NO_TREELET;
         bool provisional = false;
-        double at[3], value;
+        surface_value value;
+        double at[3];
         if (p->unknown[n / TILE] >> n % TILE & 1u)
             continue;
         lit_at(s->f, pixel_of(s, n), x->t, at);
@@ -130,7 +132,7 @@ static void colours_by(const tile_state *s, const surface_lookup *by, const tile
             p->unknown[n / TILE] |= (tile_row)1 << n % TILE;
             continue;
         }
-        surface_colour_by(s->f, 0, &h, value, &point);
+        surface_colour_by(s->f, 0, &h, &value, &point);
         memcpy(rgb[k], point.own, sizeof point.own);
     }
 }
@@ -225,7 +227,7 @@ SIMD void shade_surfaces(const tile_state *s, const tile_kind *kind, void *work,
     const vf one = f_set(1.0f);
     vf rgb[3];
     const vf opacity = looks_of(s, l, i, hits, rgb);
-    if (has_colours(s) && (kind->colours || surface_lookup_of(s->f, 0)))
+    if (has_colours(s, kind))
         colour_each(s, kind, work, l, i, hits, p, rgb);
     lit_pixels lit = lit_begin(s, i, normal, rgb);
     if (scene->light_count == 0)

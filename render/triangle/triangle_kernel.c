@@ -161,21 +161,13 @@ void triangle_smooth_normal(const triangle_smooth *s, const ray *r, double t, fl
         normal[a] = (float)(n[a] * scale);
 }
 
-/* The light of a packed colour. What is none is black. */
-static void unpack(float value, double rgb[3]) {
-    const bool is_one = value >= 0.0f && value < 0x1p24f;
-    const uint32_t bits = is_one ? (uint32_t)value : 0;
-    for (unsigned c = 0; c < 3; c++)
-        rgb[c] = picture_linear((bits >> (16 - 8 * c) & 255) / 255.0);
-}
-
 void triangle_values(const triangle *x, const ray *r, double t, bool coloured, surface_point *out) {
     double share[3], own[3] = {0.0, 0.0, 0.0};
     shares_at(x, r, t, share);
     for (int k = 0; k < 3; k++) {
         double of[3] = {(double)x->value[k], 0.0, 0.0};
         if (coloured)
-            unpack(x->value[k], of);
+            picture_light((double)x->value[k], of);
         for (int c = 0; c < 3; c++)
             own[c] += share[k] * of[c];
     }

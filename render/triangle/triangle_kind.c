@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/box3.h"
+#include "formats/base/colour_field.h"
 #include "render/look/box_projection.h"
 #include "render/ray/open_volume.h"
 #include "render/triangle/triangle_batch.h"
@@ -70,7 +71,7 @@ static void triangle_aim(leafcast *v, const leafcast_scene *scene, const struct 
     (void)scene, (void)c;
     box3_of_floats(bounds_of(v), tr->box);
     /* Between two steps packed numbers are not those of colours. */
-    tr->coloured = !f->below && strcmp(leaf_file_field_name(f, shown), TRIANGLE_COLOURS) == 0;
+    tr->coloured = !f->below && strcmp(leaf_file_field_name(f, shown), COLOUR_FIELD) == 0;
 }
 
 /* ---- In a treelet ---- */

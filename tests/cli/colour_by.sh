@@ -242,6 +242,30 @@ echo '{"field": "heat", "iso": 4, "colour_by": "heat", "output": "'"$tmp/l4.ppm"
 exits "then by the field that is shown" 1 "$leafcast" render "$tmp/both.leaf" --iso 6 --size 60x50 --script "$tmp/lines" -q --force
 ok "is refused as ever" says "that is the field whose isosurfaces are shown"
 
+# ---- an image over terrain ----
+
+if "$leafcast" --list-verbs | grep -qx import-images; then
+    { printf 'P6 2 2 255\n'; printf '\377\200\000%.0s' 1 2 3 4; } >"$tmp/orange.ppm"
+    { printf 'P6 2 2 255\n'; printf '\377\200\000\000\000\377%.0s' 1 2; } >"$tmp/two.ppm"
+    for image in orange two; do
+        exits "$image" 0 "$leafcast" convert "$tmp/$image.ppm" --field rgb --spacing 20,20,1 -q -o "$tmp/$image.leaf"
+    done
+    draw draped "$tmp/hill.leaf" --colour-by "$tmp/orange.leaf"
+    draw orange "$tmp/hill.leaf" --colour '#ff8000'
+    same draped orange
+    draw two "$tmp/hill.leaf" --colour-by "$tmp/two.leaf"
+    differ two orange
+    echo '{"objects": [{"file": "hill.leaf", "colour_by": "two.leaf"}]}' >"$tmp/draped.json"
+    draw scene "$tmp/draped.json"
+    same scene two
+    exits "an image with a map" 2 "$leafcast" render "$tmp/hill.leaf" --colour-by "$tmp/two.leaf" --colour-map grey --size 8x8 -o "$tmp/x.ppm"
+    ok "has its own colours" says "two.leaf: that is an image, which has its own colours"
+    exits "an image alone" 2 "$leafcast" render "$tmp/two.leaf" --size 8x8 -o "$tmp/x.ppm"
+    ok "has no elevations" says 'field "rgb" of this heights is an image'
+else
+    skip "images over terrain" "no OpenImageIO here"
+fi
+
 # ---- refused, in a line ----
 
 cp "$tmp/heat.leaf" "$tmp/heat.ppm"

@@ -32,6 +32,22 @@ ok "at distances of 1" header 'space directions: (1,0,0) (0,1,0) (0,0,1)'
 exits "convert takes the folder" 0 "$leafcast" convert "$tmp/stack" -o "$tmp/pgms.leaf" --name s
 ok "and says with what" grep -q 'PNM, read by leafcast import-images' "$tmp/err"
 ok "with the same bytes" cmp -s "$tmp/piped.leaf" "$tmp/pgms.leaf"
+
+# ---- colours, as one number each ----
+{ printf 'P6 2 2 255\n'; printf '\377\000\001\000\002\000\003\000\000\377\377\377'; } >"$tmp/bytes.ppm"
+{ printf 'P6 2 2 65535\n'; printf '\377\377\000\200\000\201\001\001\000\000\002\002%.0s' 1 2; } >"$tmp/words.ppm"
+numbers() { tail -c "$1" "$tmp/out.nrrd" | od -An -v -tfF -w"$1" | tr -s ' '; }
+exits "bytes" 0 "$leafcast" import-images "$tmp/bytes.ppm" --field rgb -o "$tmp/out.nrrd" --force
+ok "are 65536 r + 256 g + b" [ "$(numbers 16)" = " 16711681 512 196608 16777215" ]
+ok "terrain, to be draped" header 'leafcast terrain:=yes'
+exits "16 bits" 0 "$leafcast" import-images "$tmp/words.ppm" --field rgb -o "$tmp/out.nrrd" --force
+ok "are the nearest bytes" [ "$(numbers 16)" = " 16711681 65538 16711681 65538" ]
+exits "grey images" 3 "$leafcast" import-images "$tmp/stack/img1.pgm" --field rgb -o "$tmp/none.nrrd"
+ok "have no colours" says 'img1.pgm: page 0: expected red, green and blue of 8 or 16 bits: it has 1 channels of uint8'
+exits "an image in place" 0 "$leafcast" convert "$tmp/bytes.ppm" --field rgb -q -o "$tmp/photo.leaf"
+exits "keeps the name" 0 "$leafcast" info "$tmp/photo.leaf"
+ok "by which it is draped" prints '^field *rgb$'
+
 # A budget is the user's, of which the importer has half.
 exits "convert with too little memory" 4 "$leafcast" convert "$tmp/stack" -o "$tmp/little.leaf" --memory 700K --threads 1
 needed=$(sed -n 's/.* a memory budget of 0 MiB is too small: this input needs \([0-9]*\) MiB .*importer$/\1/p' "$tmp/err")

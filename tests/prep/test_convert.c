@@ -60,7 +60,7 @@ static void *coarser(const leaf_level *fine, sample_type type, const void *sampl
     pool *workers;
     pyramid *p;
     assert_int_equal(pool_create(&m, 1, &workers), ST_OK);
-    assert_int_equal(pyramid_create(&m, type, fine->dims, 1, &p), ST_OK);
+    assert_int_equal(pyramid_create(&m, type, false, fine->dims, 1, &p), ST_OK);
     size_t bytes = sample_size(type);
     for (int a = 0; a < 3; a++)
         bytes *= pyramid_coarse(fine->dims[a]);

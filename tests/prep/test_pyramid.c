@@ -108,7 +108,7 @@ static void check_level(const fine *f, int threads, uint64_t seed) {
            coarse_bytes = coarse[0] * coarse[1] * size;
     assert_int_equal(pool_create(&m, threads, &workers), ST_OK);
     size_t before = mem_used(&m);
-    assert_int_equal(pyramid_create(&m, f->type, f->dims, threads, &p), ST_OK);
+    assert_int_equal(pyramid_create(&m, f->type, false, f->dims, threads, &p), ST_OK);
     assert_true(mem_used(&m) - before <= pyramid_memory(f->type, f->dims, threads));
     char *out = malloc(coarse_bytes * (coarse[2] + 2));
     uint32_t done = 0;
@@ -186,6 +186,48 @@ static void test_constant(void **state) {
     check_level(&f, 2, 1);
 }
 
+/* Returns all slices of the level above: of samples that are colours, or of bytes. */
+static void *level_above(sample_type type, const uint32_t dims[3], const void *samples) {
+    mem m;
+    pool *workers;
+    pyramid *p;
+    mem_init(&m, 0);
+    const size_t plane = (size_t)pyramid_coarse(dims[0]) * pyramid_coarse(dims[1]);
+    void *out = malloc(plane * pyramid_coarse(dims[2]) * sample_size(type));
+    assert_int_equal(pool_create(&m, 2, &workers), ST_OK);
+    assert_int_equal(pyramid_create(&m, type, type == SAMPLE_F32, dims, 2, &p), ST_OK);
+    assert_int_equal(pyramid_ready(p, dims[2]), pyramid_coarse(dims[2]));
+    assert_int_equal(pyramid_feed(p, workers, samples, NULL, dims[2], out, NULL), ST_OK);
+    pyramid_destroy(p);
+    pool_destroy(workers);
+    return out;
+}
+
+/* Each byte of colours is what it is alone. */
+static void test_colours(void **state) {
+    static const uint32_t dims[3] = {21, 2, 38};
+    enum { SAMPLES = 21 * 2 * 38 };
+    (void)state;
+    uint8_t byte[3][SAMPLES];
+    float colours[SAMPLES];
+    field_random r = {4};
+    for (int i = 0; i < SAMPLES; i++) {
+        for (int c = 0; c < 3; c++)
+            byte[c][i] = (uint8_t)(i % 5 ? field_random_below(&r, 256) : i % 2 ? 255 : 0);
+        colours[i] = (float)(byte[0][i] << 16 | byte[1][i] << 8 | byte[2][i]);
+    }
+    float *got = level_above(SAMPLE_F32, dims, colours);
+    uint8_t *expected[3];
+    for (int c = 0; c < 3; c++)
+        expected[c] = level_above(SAMPLE_U8, dims, byte[c]);
+    for (size_t i = 0; i < (size_t)pyramid_coarse(21) * pyramid_coarse(2) * pyramid_coarse(38); i++)
+        assert_int_equal((uint32_t)got[i],
+                         (uint32_t)expected[0][i] << 16 | expected[1][i] << 8 | expected[2][i]);
+    for (int c = 0; c < 3; c++)
+        free(expected[c]);
+    free(got);
+}
+
 static void test_faults(void **state) {
     (void)state;
     mem m;
@@ -195,7 +237,7 @@ static void test_faults(void **state) {
     for (bool fired = true; fired;) {
         pyramid *p = NULL;
         fault_arm(FAULT_ALLOC, ++k);
-        status st = pyramid_create(&m, SAMPLE_F32, dims, 2, &p);
+        status st = pyramid_create(&m, SAMPLE_F32, false, dims, 2, &p);
         fired = fault_fired(FAULT_ALLOC);
         fault_arm(FAULT_ALLOC, 0);
         assert_int_equal(st, fired ? ST_NOMEM : ST_OK);
@@ -208,9 +250,8 @@ static void test_faults(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_formula),
-        cmocka_unit_test(test_halves),
-        cmocka_unit_test(test_constant),
+        cmocka_unit_test(test_formula),  cmocka_unit_test(test_halves),
+        cmocka_unit_test(test_constant), cmocka_unit_test(test_colours),
         cmocka_unit_test(test_faults),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

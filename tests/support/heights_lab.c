@@ -92,8 +92,15 @@ const char *heights_lab_leaf(const heights_terrain *t, uint32_t cells_log2, uint
     const volume_hints hints = {.heights = true, .spacing = {0.0, 0.0, t->truth.scale}};
     const char *path = scratch_path("terrain.leaf");
     mem m;
-    convert_options o = {
-        .file = leaf_parameters_default(), .memory = 1 << 30, .threads = 2, .force = true};
+    const char *from = nrrd_of(t);
+    const grid_series series = {
+        .of = {.paths = &from, .sets = {.fields = 1, .steps = 1, .names = &t->field}},
+        .hints = hints};
+    convert_options o = {.file = leaf_parameters_default(),
+                         .memory = 1 << 30,
+                         .threads = 2,
+                         .force = true,
+                         .series = t->field ? &series : NULL};
     convert_plan plan;
     convert_result result;
     volume *v = NULL;
@@ -103,7 +110,7 @@ const char *heights_lab_leaf(const heights_terrain *t, uint32_t cells_log2, uint
     if (compressed)
         leaf_parameters_compress(&o.file, 1);
     mem_init(&m, (size_t)o.memory);
-    if (volume_open(&m, nrrd_of(t), &hints, &v) != ST_OK ||
+    if (volume_open(&m, from, &hints, &v) != ST_OK ||
         convert_plan_make(&m, volume_grid(v), &o, &plan) != ST_OK ||
         convert_run(&m, v, path, &o, &plan, NULL, &result) != ST_OK)
         fail_msg("%s", status_text());

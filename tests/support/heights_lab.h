@@ -19,6 +19,7 @@ typedef struct heights_terrain {
     float *heights;
     const char *type;
     bool holes;
+    const char *field; /* its name; NULL: it has none */
 } heights_terrain;
 
 /* heights_lab_make() - about n nodes an axis. Release it. */

@@ -134,7 +134,7 @@ TypeDesc desc_of(sample_type type) {
 }
 
 TypeDesc stored(const image_file *f, int channel) {
-    return channel == IMAGE_LUMINANCE ? f->spec.format : f->spec.channelformat(channel);
+    return channel < 0 ? f->spec.format : f->spec.channelformat(channel);
 }
 
 /* ---- samples ---- */
@@ -161,6 +161,35 @@ void luminance(sample_type type, const void *rgb, void *out, size_t count) {
     case SAMPLE_F64: mix<double>(rgb, out, count); break;
     default: break; /* images have no other type */
     }
+}
+
+/* Colours as numbers (surface_colour.h). T: of bytes, or of 16 bits, of which `one` is 255. */
+template <typename T> void pack(const void *from, unsigned one, void *to, size_t count) {
+    const T *rgb = static_cast<const T *>(from);
+    float *out = static_cast<float *>(to);
+    for (size_t i = 0; i < count; i++, rgb += 3) {
+        unsigned value = 0;
+        for (int c = 0; c < 3; c++)
+            value = 256 * value + (rgb[c] + one / 2) / one;
+        out[i] = float(value);
+    }
+}
+
+/* What a pixel of three channels is taken for. */
+void join(int channel, sample_type stored, const void *rgb, void *out, size_t count) {
+    if (channel == IMAGE_LUMINANCE)
+        luminance(stored, rgb, out, count);
+    else if (stored == SAMPLE_U8)
+        pack<uint8_t>(rgb, 1, out, count);
+    else
+        pack<uint16_t>(rgb, 257, out, count);
+}
+
+status refuse_colours(const image_file *f) {
+    return status_describe(ST_UNSUPPORTED,
+                           "%s: page %u: expected red, green and blue of 8 or 16 bits: it has %u "
+                           "channels of %s",
+                           f->path.c_str(), f->page, f->facts.channels, f->spec.format.c_str());
 }
 
 /* No type: as they are stored. For samples of a type that is named, also of the one stored, the
@@ -193,22 +222,24 @@ bool read_rows(image_file *f, int first, int end, int c0, int c1, TypeDesc type,
 }
 
 status read_page(image_file *f, int channel, void *samples) {
-    sample_type type = SAMPLE_U8;
-    const status st = image_file_type(f, channel, &type);
+    sample_type type = SAMPLE_U8, from = SAMPLE_U8;
+    status st = image_file_type(f, channel, &type);
+    if (st == ST_OK)
+        st = type_of(f, stored(f, channel), &from);
     if (st != ST_OK)
         return st;
-    const bool mixed = channel == IMAGE_LUMINANCE;
-    const int rows = rows_at_once(f->spec, type), width = f->spec.width;
+    const bool mixed = channel < 0;
+    const int rows = rows_at_once(f->spec, from), width = f->spec.width;
     const size_t row = size_t(width) * sample_size(type);
-    std::vector<char> band(mixed ? 3 * row * rows : 0);
+    std::vector<char> band(mixed ? 3 * size_t(width) * sample_size(from) * rows : 0);
     for (int y = 0, end; y < f->spec.height; y = end) {
         end = std::min(y + rows, f->spec.height);
         char *to = static_cast<char *>(samples) + row * y;
-        if (!read_rows(f, y, end, mixed ? 0 : channel, mixed ? 3 : channel + 1, asked(f, type),
+        if (!read_rows(f, y, end, mixed ? 0 : channel, mixed ? 3 : channel + 1, asked(f, from),
                        mixed ? band.data() : to))
             return broken(f);
         if (mixed)
-            luminance(type, band.data(), to, size_t(width) * (end - y));
+            join(channel, from, band.data(), to, size_t(width) * (end - y));
     }
     return ST_OK;
 }
@@ -279,6 +310,11 @@ const char *image_file_description(const image_file *f) {
 
 status image_file_type(const image_file *f, int channel, sample_type *out) {
     const status st = type_of(f, stored(f, channel), out);
+    if (st == ST_OK && channel == IMAGE_COLOURS) {
+        const bool bytes = *out == SAMPLE_U8 || *out == SAMPLE_U16;
+        *out = SAMPLE_F32;
+        return bytes && f->facts.colour ? ST_OK : refuse_colours(f);
+    }
     const bool doubles = st == ST_OK && *out == SAMPLE_F64 && f->spec.tile_width;
     return doubles && strcmp(f->in->format_name(), "tiff") == 0 ? refuse_double_tiles(f) : st;
 }

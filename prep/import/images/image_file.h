@@ -46,13 +46,14 @@ const char *image_file_format(const image_file *f); /* "tiff" */
 const char *image_file_description(const image_file *f);
 
 /* image_file_type() - type of a channel's samples; half becomes f32. Channel IMAGE_LUMINANCE: the
- * widest type of the channels that make the luminance. ST_UNSUPPORTED: another type. */
-enum { IMAGE_LUMINANCE = -1 };
+ * widest type of the channels that make the luminance. IMAGE_COLOURS: f32. ST_UNSUPPORTED: another
+ * type, or colours that are not red, green and blue of 8 or 16 bits. */
+enum { IMAGE_LUMINANCE = -1, IMAGE_COLOURS = -2 };
 CHECKED status image_file_type(const image_file *f, int channel, sample_type *out);
 
-/* image_file_read() - read a channel of the current page, or its luminance: 0.2126 R + 0.7152 G +
- * 0.0722 B of the stored samples, with integers rounded half to even. Gives width * height samples
- * of image_file_type(), the top row first. */
+/* image_file_read() - read a channel of the current page; its luminance: 0.2126 R + 0.7152 G +
+ * 0.0722 B of the stored samples, with integers rounded half to even; or its colours: 65536 R + 256
+ * G + B, of bytes. Gives width * height samples of image_file_type(), the top row first. */
 CHECKED status image_file_read(image_file *f, int channel, void *samples);
 
 /* image_file_known() - returns whether a name has the suffix of a format that can be read. */

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/base/colour_field.h"
 #include "formats/base/text.h"
 #include "formats/base/vec3.h"
 #include "prep/import/images/geotiff.h"
@@ -29,7 +30,7 @@ typedef struct stack {
     image_facts first; /* of the first page */
     image_tags tags;
     geotiff geo; /* of the open file, if it is a TIFF */
-    int channel; /* or IMAGE_LUMINANCE */
+    int channel; /* or IMAGE_LUMINANCE, or IMAGE_COLOURS */
     sample_type type;
     bool is_file; /* the input is the file itself, not its folder */
     tiff_place place;
@@ -47,7 +48,7 @@ static void stack_free(stack *s) {
 
 /* ---- the channel ---- */
 
-enum { NO_CHANNEL = IMAGE_LUMINANCE - 1 };
+enum { NO_CHANNEL = IMAGE_COLOURS - 1 };
 
 static status refuse_channel(const stack *s, const char *asked) {
     char known[256] = "";
@@ -60,6 +61,10 @@ static status refuse_channel(const stack *s, const char *asked) {
 }
 
 static status choose_channel(stack *s, const import_request *q) {
+    if (q->field && strcmp(q->field, COLOUR_FIELD) == 0) {
+        s->channel = IMAGE_COLOURS;
+        return ST_OK;
+    }
     if (q->field) {
         for (uint32_t c = 0; c < s->first.channels; c++)
             if (strcmp(q->field, image_file_channel(s->open, c)) == 0) {
@@ -214,9 +219,11 @@ static void place_by_map(const stack *s, const image_wish *wish, grid *g) {
     stretch(g, wish);
 }
 
-/* A single page on a map, of one number a pixel, is terrain. */
+/* A single page on a map, of one number a pixel, is terrain. So are colours, wherever they are: to
+ * be draped. */
 static void place_on_map(const stack *s, const image_wish *wish, grid *g) {
     const geotiff *geo = &s->geo;
+    g->terrain = s->channel == IMAGE_COLOURS && s->page_count == 1;
     if (!geo->placed || s->page_count != 1)
         return;
     for (int row = 0; row < 2; row++) {
@@ -228,7 +235,7 @@ static void place_on_map(const stack *s, const image_wish *wish, grid *g) {
     g->to_world[2][2] = 1.0;
     world_frame_set_unit(&g->frame, 2, geo->up);
     stretch(g, wish);
-    g->terrain = s->first.channels == 1;
+    g->terrain = g->terrain || s->first.channels == 1;
 }
 
 /* A number that stands for no data: of 32 bits its text may be cut or rounded up. One that no
@@ -238,7 +245,8 @@ static void set_missing(const stack *s, grid *g) {
     g->missing = s->type != SAMPLE_F32 ? asked
                  : fabs(asked) <= most ? (double)(float)asked
                                        : copysign(most, asked);
-    g->has_missing = s->geo.has_missing && sample_holds(s->type, g->missing);
+    g->has_missing =
+        s->channel != IMAGE_COLOURS && s->geo.has_missing && sample_holds(s->type, g->missing);
 }
 
 static void describe_grid(const stack *s, const image_wish *wish, const char *path, grid *g) {
@@ -283,7 +291,9 @@ static bool find_place(void *ctx, sample_place *out) {
     *out = (sample_place){.path = NULL};
     if (!s->open || !is_tiff(s))
         return false;
-    if (s->is_file && s->names.count > 1)
+    if (s->channel == IMAGE_COLOURS)
+        out->refused = "colours are made one number each";
+    else if (s->is_file && s->names.count > 1)
         out->refused = "its slices are named one by one, and not their folder";
     else if (look_at_pages(s, out) != ST_OK)
         out->refused = "its pages cannot be looked through";

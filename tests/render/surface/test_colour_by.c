@@ -10,206 +10,14 @@
 
 #include <cmocka.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "render/ray/affine.h"
 #include "tests/support/between_lab.h"
-#include "tests/support/curvilinear_file.h"
+#include "tests/support/colour_lab.h"
 #include "tests/support/fixture.h"
-#include "tests/support/heights_lab.h"
-#include "tests/support/leaf_files.h"
-#include "tests/support/mixed_file.h"
 #include "tests/support/scene_stage.h"
 #include "tests/support/scratch.h"
-#include "tests/support/triangle_lab.h"
-
-/* ---- Files of all kinds ---- */
-
-enum {
-    GRID,
-    HOLES,
-    MESH,
-    CURVED,
-    MIXED,
-    HEIGHTS,
-    COLOURING,
-    TRIANGLES = COLOURING,
-    FILES,
-    SERIES = FILES
-};
-
-static const char *const NAMES[FILES] = {"grid",  "grid with holes", "mesh",     "curvilinear grid",
-                                         "mixed", "heights",         "triangles"};
-static char paths[FILES + 1][600];
-static const scene_stage *stage;
-
-static void keep(int which, const char *path) {
-    snprintf(paths[which], sizeof paths[which], "%s", path);
-}
-
-static void make_holes(void) {
-    leaf_case c = leaf_files_case(29, 35, 40, SAMPLE_F32);
-    void *samples = leaf_files_random(&c, 5, 300);
-    c.samples = samples;
-    keep(HOLES, leaf_files_make(&c, "holes.leaf"));
-    free(samples);
-}
-
-static void make_curved(void) {
-    enum { I = 36, J = 12, K = 18 };
-    static float p[I * J * K][3], values[I * J * K];
-    for (int n = 0; n < I * J * K; n++) {
-        const double i = n % I, j = n / I % J, k = n / (I * J);
-        p[n][0] = (float)(i + 1.5 * sin(0.3 * k));
-        p[n][1] = (float)(j + cos(0.2 * i));
-        p[n][2] = (float)(k + 0.5 * sin(j));
-        values[n] = (float)(sin(0.35 * i) + cos(0.3 * k) + 0.2 * j);
-    }
-    const curvilinear_zone zone = {{I, J, K}, (const float(*)[3])p, values, NULL};
-    const leaf_image image = curvilinear_file(&zone, 1);
-    keep(CURVED, scratch_write("curved.leaf", image.bytes, image.size));
-    free(image.bytes);
-}
-
-static void make_mixed(void) {
-    static cell_mix mix;
-    mesh_result result;
-    cell_mix_make(&mix, 0, FIELD_SEED);
-    (void)mixed_file_write(mix.cell, mix.count, scratch_path("mix.vtk"));
-    mixed_file_convert(scratch_path("mix.vtk"), scratch_path("mix.leaf"), 40, UINT64_C(1) << 32,
-                       &result);
-    keep(MIXED, scratch_path("mix.leaf"));
-}
-
-static void make_surfaces(void) {
-    static triangle_lab lab;
-    heights_terrain terrain;
-    mesh_result result;
-    triangle_lab_make(&lab, 0, FIELD_SEED);
-    triangle_lab_convert(&lab, scratch_path("lab.leaf"), 64, "f", true, &result);
-    keep(TRIANGLES, scratch_path("lab.leaf"));
-    heights_lab_make(&terrain, 0, 50, FIELD_SEED);
-    keep(HEIGHTS, heights_lab_leaf(&terrain, 4, 1, true));
-    heights_lab_release(&terrain);
-}
-
-static int set_up(void **state) {
-    (void)scene_stage_set(state);
-    stage = *state;
-    keep(GRID, stage->grid_path);
-    keep(MESH, stage->mesh_path);
-    make_holes();
-    make_curved();
-    make_mixed();
-    make_surfaces();
-    return 0;
-}
-
-/* ---- A scene of one volume coloured by another ---- */
-
-typedef struct coloured {
-    leafcast_device *device;
-    leafcast *of, *by;
-    double place[2][12];
-    leafcast_transfer_point points[3];
-    leafcast_medium map;
-    leafcast_surface surfaces[2];
-    leafcast_colouring colouring;
-    leafcast_shown shown;
-    leafcast_scene scene;
-    leafcast_camera camera;
-} coloured;
-
-/* The place that takes a volume's box to [0, 10]^3, turned about the third axis and scaled. */
-static void place_of(const leafcast *v, double angle, double scale, double place[12]) {
-    const leafcast_info info = leafcast_describe(v);
-    double own[3][4] = {{0}};
-    for (int a = 0; a < 3; a++) {
-        const double length = info.bounds[1][a] - info.bounds[0][a];
-        own[a][a] = scale * 10.0 / length;
-        own[a][3] = -scale * (10.0 * info.bounds[0][a] / length + 5.0);
-    }
-    const double c = cos(angle), s = sin(angle), turn[3][3] = {{c, -s, 0}, {s, c, 0}, {0, 0, 1}};
-    for (int r = 0; r < 3; r++)
-        for (int k = 0; k < 4; k++) {
-            place[4 * r + k] = k == 3 ? 5.0 : 0.0;
-            for (int m = 0; m < 3; m++)
-                place[4 * r + k] += turn[r][m] * own[m][k];
-        }
-}
-
-/* Let a place lead from [0, 10]^3 to the box of a volume instead. */
-static void place_into(const leafcast *v, double place[12]) {
-    const leafcast_info info = leafcast_describe(v);
-    for (int a = 0; a < 3; a++) {
-        const double length = (info.bounds[1][a] - info.bounds[0][a]) / 10.0;
-        for (int k = 0; k < 4; k++)
-            place[4 * a + k] *= length;
-        place[4 * a + 3] += info.bounds[0][a];
-    }
-}
-
-/* Where the two lie: as their files say; both at places; or only what colours, so that the other is
- * drawn by kernels of tiles. */
-typedef enum where { AS_FILES_SAY, PLACED, TILED } where;
-
-static void open_coloured(coloured *c, int of, int by, where how, const leafcast_options *device,
-                          uint32_t treelets) {
-    const leafcast_options none = {.size = sizeof none};
-    double range[2];
-    int count;
-    memset(c, 0, sizeof *c);
-    assert_int_equal(leafcast_device_create(device ? device : &none, &c->device), LEAFCAST_OK);
-    const leafcast_options on = {.size = sizeof on,
-                                 .device = c->device,
-                                 .experiments = EXPERIMENTS(.treelet_limit = treelets)};
-    assert_int_equal(leafcast_open(paths[of], &on, &c->of), LEAFCAST_OK);
-    assert_int_equal(leafcast_open(paths[by], &on, &c->by), LEAFCAST_OK);
-    assert_int_equal(leafcast_range(c->by, 0, 0, range), LEAFCAST_OK);
-    const double middle = 0.4 * range[0] + 0.6 * range[1];
-    c->points[0] = (leafcast_transfer_point){.value = range[0], .rgb = {1.0, 0.0, 0.1}};
-    c->points[1] = (leafcast_transfer_point){.value = middle, .rgb = {0.0, 1.0, 0.5}};
-    c->points[2] = (leafcast_transfer_point){.value = range[1], .rgb = {0.0, 0.2, 1.0}};
-    c->map = (leafcast_medium){c->points, 3};
-    double iso = 0.0;
-    assert_int_equal(leafcast_suggested_isovalues(c->of, 0, 0, &iso, 1, &count), LEAFCAST_OK);
-    c->surfaces[0] = leafcast_surface_default(of == GRID ? scene_stage_isos[0] : iso);
-    c->surfaces[1] = leafcast_surface_default(scene_stage_isos[1]);
-    for (int i = 0; i < 2; i++)
-        memcpy(c->surfaces[i].rgb, (const float[3]){0.25f, 0.75f, 0.875f}, sizeof(float[3]));
-    place_of(c->of, 0.2, 0.9, c->place[0]);
-    place_of(c->by, -0.3, 0.95, c->place[1]);
-    if (how == TILED)
-        place_into(c->of, c->place[1]);
-    c->colouring =
-        (leafcast_colouring){.volume = c->by, .place = how != AS_FILES_SAY ? c->place[1] : NULL};
-    c->shown = (leafcast_shown){.volume = c->of,
-                                .surfaces = c->surfaces,
-                                .count = 1,
-                                .place = how == PLACED ? c->place[0] : NULL,
-                                .colours = &c->map,
-                                .colour_by = &c->colouring};
-    c->scene = leafcast_scene_default();
-    c->scene.volumes = &c->shown;
-    c->scene.volume_count = 1;
-    c->scene.shading = LEAFCAST_SHADING_FLAT;
-    c->camera = scene_stage_view(50.0);
-    if (how == TILED)
-        c->camera = leafcast_standard_view(c->of, 1.2, PICTURE_WIDTH, PICTURE_HEIGHT);
-    if (how == PLACED) {
-        const double eye[3] = {21.0, 15.0, 19.0}, at[3] = {5.1, 4.9, 5.0};
-        memcpy(c->camera.eye, eye, sizeof eye);
-        memcpy(c->camera.look_at, at, sizeof at);
-    }
-}
-
-static void close_coloured(coloured *c) {
-    leafcast_close(c->of);
-    leafcast_close(c->by);
-    leafcast_device_destroy(c->device);
-}
 
 /* ---- The truth ---- */
 
@@ -282,15 +90,15 @@ static void test_kinds(void **state) {
             coloured c;
             if (of == HOLES)
                 continue;
-            snprintf(what, sizeof what, "%s by %s", NAMES[of], NAMES[by]);
+            snprintf(what, sizeof what, "%s by %s", colour_lab_names[of], colour_lab_names[by]);
             for (where how = PLACED; how <= TILED; how++) {
-                open_coloured(&c, of, by, how, NULL, 0);
+                colour_lab_open(&c, of, by, how, NULL, 0);
                 pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
                 const seen n = compare(&c, &p, NULL, what);
                 print_message("%s: %d pixels by value, %d plain\n", what, n.valued, n.plain);
                 assert_true(n.valued > PICTURE_PIXELS / 40);
                 plain += n.plain;
-                close_coloured(&c);
+                colour_lab_close(&c);
             }
         }
     assert_true(plain > PICTURE_PIXELS / 2);
@@ -302,11 +110,11 @@ static void test_unplaced(void **state) {
     (void)state;
     for (int which = 0; which < 2; which++) {
         coloured c;
-        open_coloured(&c, which ? MESH : GRID, which ? GRID : MESH, AS_FILES_SAY, NULL, 0);
+        colour_lab_open(&c, which ? MESH : GRID, which ? GRID : MESH, AS_FILES_SAY, NULL, 0);
         pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
         const seen n = compare(&c, &p, NULL, which ? "mesh by grid" : "grid by mesh");
         assert_true(n.valued > PICTURE_PIXELS / 40);
-        close_coloured(&c);
+        colour_lab_close(&c);
     }
 }
 
@@ -317,7 +125,7 @@ static void test_lit(void **state) {
     (void)state;
     for (int soft = 0; soft < 2; soft++) {
         coloured c;
-        open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+        colour_lab_open(&c, GRID, MESH, PLACED, NULL, 0);
         c.scene.shading = LEAFCAST_SHADING_DIFFUSE;
         c.scene.shadows = true;
         c.scene.light_count = 2;
@@ -343,7 +151,7 @@ static void test_lit(void **state) {
         assert_memory_equal(p.normal, white.normal, sizeof p.normal);
         const seen n = compare(&c, &p, &white, soft ? "soft" : "lit");
         assert_true(n.valued > PICTURE_PIXELS / 40);
-        close_coloured(&c);
+        colour_lab_close(&c);
     }
 }
 
@@ -354,7 +162,7 @@ static void test_layers(void **state) {
     coloured c;
     int most = 0;
     (void)state;
-    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+    colour_lab_open(&c, GRID, MESH, PLACED, NULL, 0);
     c.shown.count = 2;
     c.surfaces[0].opacity = 0.4f;
     c.surfaces[1].opacity = 0.6f;
@@ -379,7 +187,7 @@ static void test_layers(void **state) {
             assert_true(fabs((double)p.rgba[a][i] - sum[a]) < 1e-3);
     }
     assert_true(most > 3);
-    close_coloured(&c);
+    colour_lab_close(&c);
 }
 
 /* Ask for lights, shadows and glass; of soft looks also for mirrors. */
@@ -399,7 +207,7 @@ static void ask(coloured *c, bool soft) {
 static bool draw_anew(int of, int by, where how, const leafcast_options *o, uint32_t treelets,
                       picture *p, leafcast_stats *stats) {
     coloured c;
-    open_coloured(&c, of, by, how, o, treelets);
+    colour_lab_open(&c, of, by, how, o, treelets);
     ask(&c, of == GRID && how == PLACED);
     const leafcast_image plane = {.size = sizeof plane,
                                   .r = p->rgba[0],
@@ -413,7 +221,7 @@ static bool draw_anew(int of, int by, where how, const leafcast_options *o, uint
     const bool room = leafcast_check_room(c.of, &c.scene, &c.camera, &plane, 0) == LEAFCAST_OK;
     if (room)
         pictures_draw(c.of, &c.scene, &c.camera, p, stats);
-    close_coloured(&c);
+    colour_lab_close(&c);
     return room;
 }
 
@@ -455,14 +263,14 @@ static void test_mirrored(void **state) {
     int mirrored = 0;
     (void)state;
     assert_true(field_make(&f, "linear", 20, FIELD_SEED));
-    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+    colour_lab_open(&c, GRID, MESH, PLACED, NULL, 0);
     const leafcast_options on = {.size = sizeof on, .device = c.device};
     leafcast *plane = fixture_open(fixture_leaf(&f, 4, 1, true), &on);
     leafcast_surface mirror = leafcast_surface_default(f.iso);
     double place[12];
     leafcast_shown shown[2] = {{.volume = plane, .surfaces = &mirror, .count = 1, .place = place},
                                c.shown};
-    place_of(plane, -0.8, 2.0, place);
+    colour_lab_place(plane, -0.8, 2.0, place);
     mirror.reflectivity = 1.0f;
     c.scene.bounces = 1;
     c.scene.volumes = shown;
@@ -492,7 +300,7 @@ static void test_mirrored(void **state) {
     print_message("%d pixels of the mirror show it\n", mirrored);
     assert_true(mirrored > PICTURE_PIXELS / 200);
     leafcast_close(plane);
-    close_coloured(&c);
+    colour_lab_close(&c);
     field_release(&f);
 }
 
@@ -501,7 +309,7 @@ static void test_both_shown(void **state) {
     static picture p;
     coloured c;
     (void)state;
-    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+    colour_lab_open(&c, GRID, MESH, PLACED, NULL, 0);
     const leafcast_colouring back = {.volume = c.of, .place = c.place[0]};
     leafcast_shown shown[2] = {c.shown, c.shown};
     leafcast_surface other = leafcast_surface_default(scene_stage_mesh.isovalue);
@@ -533,7 +341,7 @@ static void test_both_shown(void **state) {
             assert_true(fabs((double)p.rgba[k][i] - rgb[k]) <= 1e-6);
     }
     assert_true(met[0] > 20 && met[1] > 20);
-    close_coloured(&c);
+    colour_lab_close(&c);
 }
 
 /* A medium about the surface changes nothing of its colour where it lets all light through. */
@@ -544,23 +352,13 @@ static void test_medium(void **state) {
     const leafcast_medium medium = {thin, 2};
     coloured c;
     (void)state;
-    open_coloured(&c, GRID, CURVED, PLACED, NULL, 1);
+    colour_lab_open(&c, GRID, CURVED, PLACED, NULL, 1);
     c.scene.media = &medium;
     c.scene.media_count = 1;
     pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
     const seen n = compare(&c, &p, NULL, "in a medium");
     assert_true(n.valued > PICTURE_PIXELS / 40);
-    close_coloured(&c);
-}
-
-static void refused(coloured *c, const char *said) {
-    float r[4];
-    const leafcast_camera view = leafcast_standard_view(c->of, 2.0, 2, 2);
-    const leafcast_image image = {.size = sizeof image, .r = r};
-    assert_int_equal(leafcast_trace(c->of, &c->scene, &view, &image, NULL, NULL, NULL),
-                     LEAFCAST_USAGE);
-    if (!strstr(leafcast_error_text(), said))
-        fail_msg("\"%s\" lacks \"%s\"", leafcast_error_text(), said);
+    colour_lab_close(&c);
 }
 
 /* A step, and a time between two, of what colours. Beside another one of the same volume, it is
@@ -569,10 +367,10 @@ static void test_steps(void **state) {
     static picture p;
     between_lab *lab = between_lab_make(&between_kinds[1]);
     (void)state;
-    keep(SERIES, lab->series);
+    colour_lab_keep(SERIES, lab->series);
     for (int i = 0; i < 2; i++) {
         coloured c;
-        open_coloured(&c, MESH, SERIES, PLACED, NULL, 0);
+        colour_lab_open(&c, MESH, SERIES, PLACED, NULL, 0);
         c.colouring.step = 2;
         c.colouring.between = 0.3 * i;
         pictures_draw(c.of, &c.scene, &c.camera, &p, NULL);
@@ -583,8 +381,8 @@ static void test_steps(void **state) {
                                          {.volume = c.by, .surfaces = c.surfaces, .count = 1}};
         c.scene.volumes = shown;
         c.scene.volume_count = 2;
-        refused(&c, "has one field and step");
-        close_coloured(&c);
+        colour_lab_refused(&c, "has one field and step");
+        colour_lab_close(&c);
     }
     between_lab_free(lab);
 }
@@ -599,7 +397,7 @@ static void test_preview(void **state) {
         const int by = colouring[i];
         coloured c;
         int provisional = 0, coarse = 0;
-        open_coloured(&c, GRID, by, PLACED, NULL, 1);
+        colour_lab_open(&c, GRID, by, PLACED, NULL, 1);
         leafcast_scene scene = c.scene;
         scene.preview = true;
         /* Until something coarser has come. */
@@ -616,7 +414,7 @@ static void test_preview(void **state) {
             assert_true(p.provisional[k] || pictures_same_pixel(&p, &exact, k));
         }
         assert_true(provisional > 20);
-        close_coloured(&c);
+        colour_lab_close(&c);
     }
 }
 
@@ -628,7 +426,7 @@ static void test_draped_levels(void **state) {
     for (uint32_t level = 0; level < 3; level++) {
         coloured c;
         int covered = 0;
-        open_coloured(&c, HEIGHTS, HEIGHTS, AS_FILES_SAY, NULL, 0);
+        colour_lab_open(&c, HEIGHTS, HEIGHTS, AS_FILES_SAY, NULL, 0);
         c.camera = leafcast_standard_view(c.of, 1.2, PICTURE_WIDTH, PICTURE_HEIGHT);
         c.scene.lod = LEAFCAST_LOD_LEVEL;
         c.scene.lod_level = level;
@@ -641,36 +439,36 @@ static void test_draped_levels(void **state) {
                 assert_true(fabsf(draped.rgba[k][i] - own.rgba[k][i]) <= 1e-5f);
         }
         assert_true(covered > PICTURE_PIXELS / 10);
-        close_coloured(&c);
+        colour_lab_close(&c);
     }
 }
 
 static void test_refused(void **state) {
     (void)state;
     coloured c;
-    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+    colour_lab_open(&c, GRID, MESH, PLACED, NULL, 0);
     c.shown.colours = NULL;
-    refused(&c, "there are no colours");
+    colour_lab_refused(&c, "there are no colours");
     c.shown.colours = &c.map;
     c.colouring.volume = NULL;
-    refused(&c, "colour_by.volume is NULL");
+    colour_lab_refused(&c, "colour_by.volume is NULL");
     c.colouring.volume = c.of;
     c.colouring.step = 3;
-    refused(&c, "step");
+    colour_lab_refused(&c, "step");
     c.colouring = (leafcast_colouring){.volume = c.by, .field = 7};
-    refused(&c, "field");
-    leafcast *elsewhere = fixture_open(paths[MESH], NULL);
+    colour_lab_refused(&c, "field");
+    leafcast *elsewhere = fixture_open(colour_lab_paths[MESH], NULL);
     c.colouring = (leafcast_colouring){.volume = elsewhere};
-    refused(&c, "on another device");
+    colour_lab_refused(&c, "on another device");
     leafcast_close(elsewhere);
-    close_coloured(&c);
-    open_coloured(&c, GRID, MESH, PLACED, NULL, 0);
+    colour_lab_close(&c);
+    colour_lab_open(&c, GRID, MESH, PLACED, NULL, 0);
     const leafcast_options on = {.size = sizeof on, .device = c.device};
-    leafcast *given = fixture_open(paths[TRIANGLES], &on);
+    leafcast *given = fixture_open(colour_lab_paths[TRIANGLES], &on);
     c.colouring.volume = given;
-    refused(&c, "has no values at points");
+    colour_lab_refused(&c, "has no values at points");
     leafcast_close(given);
-    close_coloured(&c);
+    colour_lab_close(&c);
 }
 
 int main(void) {
@@ -681,5 +479,5 @@ int main(void) {
         cmocka_unit_test(test_both_shown),    cmocka_unit_test(test_medium),
         cmocka_unit_test(test_steps),         cmocka_unit_test(test_preview),
         cmocka_unit_test(test_draped_levels), cmocka_unit_test(test_refused)};
-    return cmocka_run_group_tests(tests, set_up, scene_stage_clear);
+    return cmocka_run_group_tests(tests, colour_lab_set, scene_stage_clear);
 }
