@@ -298,6 +298,37 @@ static void test_pictures(void **state) {
     }
 }
 
+/* Elevations so close together that codes of single precision end: seen from among them. */
+static void test_least(void **state) {
+    static const double ranges[] = {7e-36, 6e-37, 4e-38, 1e-44};
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        heights_terrain t;
+        make_broad(&t, 0, 41);
+        t.truth.scale = 1.0;
+        for (int a = 0; a < 2; a++) {
+            t.truth.spacing[a] = 1.0;
+            t.truth.origin[a] = 0.0;
+        }
+        for (int i = 0; i < t.truth.nx * t.truth.ny; i++)
+            t.heights[i] = (float)(ranges[k] * (0.5 + 0.5 * sin(0.4 * i)));
+        const char *path = heights_lab_leaf(&t, 4 + (uint32_t)k % 3, 0, true);
+        picture_volumes v = pictures_open(path, 2);
+        pictures_open_one(&v, path, "scalar", 2);
+        v.of[v.count - 1]->kernels.tile = heights_tile_wide;
+        v.name[v.count - 1] = "wide";
+        leafcast_scene scene = leafcast_scene_default();
+        leafcast_camera c = leafcast_standard_view(v.of[0], 1.4, PICTURE_WIDTH, PICTURE_HEIGHT);
+        memcpy(c.eye, (const double[3]){20.3, 20.3, 1e-28}, sizeof c.eye);
+        memcpy(c.look_at, (const double[3]){21.0, 21.1, -1.0}, sizeof c.look_at);
+        memcpy(c.up, (const double[3]){0.0, 0.0, 1.0}, sizeof c.up);
+        pictures_select(&v, &ground, 1);
+        assert_int_equal(pictures_alike(&v, &scene, &c, "least"), PICTURE_PIXELS);
+        pictures_close(&v);
+        heights_lab_release(&t);
+    }
+}
+
 /* In a scene with a grid: each pixel shows what is nearer. */
 static void test_scene(void **state) {
     (void)state;
@@ -353,7 +384,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_hits),     cmocka_unit_test(test_file),
         cmocka_unit_test(test_points),   cmocka_unit_test(test_shadows),
-        cmocka_unit_test(test_pictures), cmocka_unit_test(test_scene),
+        cmocka_unit_test(test_pictures), cmocka_unit_test(test_least),
+        cmocka_unit_test(test_scene),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
