@@ -343,14 +343,14 @@ static uint32_t told_of(const wood *w, const line *l, bool anew, uint32_t told[O
 }
 
 /* Whether a ray that is cut where it enters an object is still told of it. */
-static bool is_told_until(const wood *w, const line *l, uint32_t object, real t) {
+static bool is_told_until(const wood *w, const line *l, uint32_t which, real t) {
     static uint32_t told[OBJECTS_ROOM];
     line until = *l;
     until.ray = (object_ray){until.origin, until.direction, l->ray.t0, (double)t};
     until.ray.t1 += (real)until.ray.t1 < t ? DBL_EPSILON * fabs(until.ray.t1) : 0.0;
     bool found = false;
     for (uint32_t i = told_of(w, &until, false, told); i > 0; i--)
-        found = found || told[i - 1] == object;
+        found = found || told[i - 1] == which;
     return found;
 }
 
