@@ -16,7 +16,7 @@ enum { MAP_COLOURS = 64, PRESET_COLOURS = 32, NAME_MAX_BYTES = 64 };
 /* Most steps, of all fields together, that are described by more than their range. */
 enum { TOLD_MAX = 64 };
 
-/* Copy the file's name without its folder, which pages need not know. */
+/* Copy the file's name without its folder: what a page shows. */
 static void file_name(char *name, size_t room, const char *path) {
     const char *slash = strrchr(path, '/');
     text_name(name, room, slash ? slash + 1 : path);
@@ -186,6 +186,12 @@ static json_t *text_json(const char *text) {
     return json_string(text_printable(printable, sizeof printable, text));
 }
 
+/* The path for a command. JSON cannot hold one that is not UTF-8: that is escaped. */
+static json_t *path_json(const char *path) {
+    json_t *out = json_string(path);
+    return out ? out : text_json(path);
+}
+
 static json_t *files_json(const view_file *files, int count) {
     json_t *out = json_array();
     for (int i = 0; i < count; i++) {
@@ -228,6 +234,7 @@ static json_t *describe(const view_file *files, int count, int which, const view
         json_array_append_new(fields, field_json(volume, i, table));
     json_object_set_new(out, "name", text_json(info.name));
     json_object_set_new(out, "file", text_json(name));
+    json_object_set_new(out, "path", path_json(files[which].path));
     json_object_set_new(out, "files", files_json(files, count));
     json_object_set_new(out, "which", json_integer(which));
     json_object_set_new(out, "dims",
@@ -266,7 +273,9 @@ static void describe_scene(json_t *out, const view_scene *scene) {
     for (int i = 0; i < scene->count; i++)
         json_array_append_new(names, text_json(scene->names[i]));
     json_object_set_new(out, "files", names);
-    json_object_set_new(out, "scene", view_scene_json(scene));
+    json_t *told = view_scene_json(scene);
+    json_object_set_new(told, "path", path_json(scene->path));
+    json_object_set_new(out, "scene", told);
     json_object_set_new(out, "state", view_scene_state(scene));
 }
 

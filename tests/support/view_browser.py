@@ -3,7 +3,7 @@
 
 Their arguments are LEAFCAST FOLDER.
 """
-import base64, json, os, subprocess, sys, time
+import base64, json, os, re, subprocess, sys, time
 
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
@@ -89,15 +89,13 @@ def rgb(pixels):
 def same(b, name):
     """The canvas is what the copied command draws."""
     b.click("copy-command")
-    ok(f"{name}: the picture is that of the copied command", rgb(png_pixels(run_copied(b, "picture.png"))) == rgb(b.pixels()))
+    ok(f"{name}: the picture is that of the copied command", rgb(png_pixels(run_copied(b))) == rgb(b.pixels()))
 
 
-def run_copied(b, name):
-    """The file that the copied command writes."""
+def run_copied(b):
+    """The file that the copied command writes, or the first of a movie."""
     line = b.js("return leafcast.copied")
-    written = f"{folder}/{name}"
-    if os.path.exists(written):
-        os.remove(written)
+    written = folder + "/" + re.search(r" -o (\S+)", line).group(1).replace("%04d", "0000")
     subprocess.run(["sh", "-c", f'leafcast() {{ "$LEAFCAST" "$@"; }}; {line} -q'], check=True, cwd=folder,
                    env=dict(os.environ, LEAFCAST=os.path.abspath(leafcast)))
     with open(written, "rb") as f:

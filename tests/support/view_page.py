@@ -4,7 +4,7 @@
 A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last. INPUTS=N in the environment: of the many
 inputs.
 """
-import base64, json, os, random, signal, subprocess, time
+import base64, json, os, random, re, signal, shutil, subprocess, time
 
 from selenium.webdriver.common.keys import Keys
 
@@ -222,7 +222,7 @@ def panes(b, name):
         b.js("leafcast.slices.panes[arguments[0]].copy.click()", k)
         got = png_pixels(base64.b64decode(b.js(
             "return leafcast.slices.panes[arguments[0]].canvas.toDataURL('image/png')", k).split(",")[1]))
-        good = good and got == png_pixels(run_copied(b, "slice.png"))
+        good = good and got == png_pixels(run_copied(b))
     ok(f"{name}: {count} pictures are those of the copied commands", good and count > 0)
 
 
@@ -348,14 +348,14 @@ def movies(b):
     path = folder + "/saved/g-keys.json"
     saved(path)
     os.replace(path, folder + "/g-keys.json")
-    subprocess.run(["sh", "-c", f'leafcast() {{ "$LEAFCAST" "$@"; }}; {line} -q'], check=True, cwd=folder,
-                   env=dict(os.environ, LEAFCAST=os.path.abspath(leafcast)))
+    run_copied(b)
+    stem = re.search(r" -o (\S+)_%04d.png", line).group(1)
     b.js("window.kept = leafcast.movie.keys")
     for i in (0, 2, 4):
         b.driver.execute_async_script("""const done = arguments[1];
             import("./movie.js").then(m => { leafcast.adopt(m.frame(kept, arguments[0] / 4)); done(); })""", i)
         b.rest()
-        with open(f"{folder}/g_{i:04d}.png", "rb") as f:
+        with open(f"{folder}/{stem}_{i:04d}.png", "rb") as f:
             want, got = rgb(png_pixels(f.read()))[2], rgb(b.pixels())[2]
         off = sum(x != y for x, y in zip(want, got))
         ok(f"movie: picture {i} is that of the command ({off} differ)", len(want) == len(got) and off * 1000 <= len(got) * (i == 2))
@@ -488,6 +488,22 @@ def sizes(b, url):
     same(b, "phone")
 
 
+def places(b):
+    """A command names the file as the server was given it, and a picture that nothing has."""
+    os.makedirs(folder + "/it's a folder", exist_ok=True)
+    shutil.copy(folder + "/g.leaf", folder + "/it's a folder/n.leaf")
+    s = Server([leafcast, "view", "it's a folder/n.leaf"], cwd=folder)
+    b.open(s.url)
+    same(b, "a namesake elsewhere")
+    line = b.js("return leafcast.copied")
+    ok(f"the path is quoted: {line}", line.startswith("leafcast render 'it'\\''s a folder/n.leaf' "))
+    same(b, "another copy")
+    other, name = b.js("return leafcast.copied"), re.compile(r" -o (\S+\.png)")
+    ok("of another name", name.search(line).group(1) != name.search(other).group(1))
+    ok("and the same command twice", run_copied(b) == run_copied(b))
+    s.stop(signal.SIGINT)
+
+
 def links(b):
     """What a page does whose connection ends."""
     both = Server([leafcast, "view", folder + "/g.leaf", folder + "/m.leaf", folder + "/n.leaf"])
@@ -542,6 +558,7 @@ def main():
         ok("mesh: a final picture", b.open(mesh.url))
         steps(b)
         errors(b, "mesh")
+        places(b)
         links(b)
     finally:
         b.driver.quit()

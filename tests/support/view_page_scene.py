@@ -28,11 +28,11 @@ def same(b, name, is_saved, scene="scene"):
     b.until("return leafcast.copied")
     line = b.js("return leafcast.copied")
     ok(f"{name}: the command is of {'a saved scene' if is_saved else 'the scene file'}",
-       line.startswith(f"leafcast render {scene}{'-view' if is_saved else ''}.json "))
+       line.startswith(f"leafcast render {folder}/{scene}{'-view' if is_saved else ''}.json "))
     if is_saved:
         saved(path)
         shutil.move(path, f"{folder}/{scene}-view.json")
-    ok(f"{name}: the picture is that of the copied command", rgb(png_pixels(run_copied(b, "picture.png"))) == rgb(b.pixels()))
+    ok(f"{name}: the picture is that of the copied command", rgb(png_pixels(run_copied(b))) == rgb(b.pixels()))
 
 
 def choose(b, k):

@@ -1,7 +1,7 @@
 // movie.js - keyframes and turntables: kept, played, saved as JSON; `leafcast render` draws them.
 import {byId, element, slider} from "./dom.js";
 import {download} from "./save.js";
-import {command, toFlags} from "./state.js";
+import {command, freeStem, toFlags} from "./state.js";
 import {add, cross, dot, length, scale, sub, turn, unit} from "./vector.js";
 
 const KEYS_MAX = 100;
@@ -142,9 +142,8 @@ export class Movie {
 
   command(turning) {
     const {app} = this, {name} = app.save;
-    const line = command(turning ? toFlags(app.model, app.volume) : {}, app.volume.file, app.screen.width, app.screen.height)
-      .replace(/ -o picture\.png$/, "");
+    const line = command(turning ? toFlags(app.model, app.volume) : {}, app.volume.path, app.screen.width, app.screen.height, "render", null);
     const more = turning ? `--turntable=${this.frames}` : `--camera-path=${name}-keys.json --frames=${this.frames}`;
-    app.copy(`${line} ${more} -o ${name}_%04d.png`, "The command is copied.");
+    app.copy(`${line} ${more} -o ${freeStem(name)}_%04d.png --force`, "The command is copied.");
   }
 }

@@ -45,7 +45,7 @@ export class Save {
     const {app} = this;
     if (!app.model) return;
     if (app.scene.told) return this.sceneCommand();
-    const line = command(toFlags(app.model, app.volume), app.volume.file, app.screen.width, app.screen.height);
+    const line = command(toFlags(app.model, app.volume), app.volume.path, app.screen.width, app.screen.height);
     app.copy(line, "The command is copied.");
   }
 
@@ -54,7 +54,7 @@ export class Save {
     const {app} = this, {width, height} = app.screen, {told} = app.scene, flags = app.scene.commandFlags(app.flags);
     const saved = flags ? null : await this.scene();
     if (!flags && !saved) return;
-    const line = command(flags ?? (told.links ? {"follow-links": true} : {}), saved ?? told.file, width, height);
+    const line = command(flags ?? (told.links ? {"follow-links": true} : {}), saved ? told.path.replace(/[^/]*$/, "") + saved : told.path, width, height);
     app.copy(line, saved ? `The command is copied. It draws ${saved}, which is saved: put it beside ${told.file}.` : "The command is copied.");
   }
 

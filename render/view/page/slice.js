@@ -218,7 +218,7 @@ class Pane {
 
   command() {
     const {app} = this.slices, size = this.head?.size;
-    if (size) app.copy(command(this.flags, app.volume.file, size[0], size[1], "slice"), "The command is copied.");
+    if (size) app.copy(command(this.flags, app.volume.path, size[0], size[1], "slice"), "The command is copied.");
   }
 }
 

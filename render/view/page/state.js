@@ -241,7 +241,21 @@ export function toFlags(model, volume) {
 const quoted = text => /^[\w.,:=#+\/-]+$/.test(text) && !text.startsWith("#") ? text : `'${text.replaceAll("'", "'\\''")}'`;
 const REPEATED = ["iso", "colour", "opacity", "reflect", "refract", "light", "point-light", "clip-plane"];
 
-export function command(flags, file, width, height, verb = "render") {
+// A name that nothing has which another command has written: with the moment at which it is copied. So --force overwrites
+// nothing but what the same command wrote before.
+let stamped = "", copies = 0;
+
+export function freeStem(stem) {
+  const digits = n => String(n).padStart(2, "0"), t = new Date();
+  const stamp = [t.getFullYear(), digits(t.getMonth() + 1), digits(t.getDate()), "-", digits(t.getHours()), digits(t.getMinutes()),
+    digits(t.getSeconds())].join("");
+  copies = stamp === stamped ? copies + 1 : 1;
+  stamped = stamp;
+  return `${stem}-${stamp}${copies > 1 ? `-${copies}` : ""}`;
+}
+
+// file: its path, as the server was given it. stem: of the picture's name; null: whoever asks goes on.
+export function command(flags, file, width, height, verb = "render", stem = verb === "slice" ? "slice" : "picture") {
   const words = ["leafcast", verb, quoted(file.startsWith("-") ? "./" + file : file)];
   const word = (key, value) => words.push(quoted(`--${key}=${Array.isArray(value) ? value.join(",") : value}`));
   for (const [key, value] of Object.entries(flags)) {
@@ -250,7 +264,7 @@ export function command(flags, file, width, height, verb = "render") {
     else if (REPEATED.includes(key) && Array.isArray(value)) value.forEach(v => word(key, v));
     else if (value !== false) word(key, value);
   }
-  return [...words, `--size=${width}x${height}`, "-o", `${verb === "slice" ? "slice" : "picture"}.png`].join(" ");
+  return [...words, `--size=${width}x${height}`, ...stem ? ["-o", `${freeStem(stem)}.png`, "--force"] : []].join(" ");
 }
 
 // ---- the address ----
