@@ -11,13 +11,14 @@
 #include "render/view/view_listen.h"
 #include "render/view/view_server.h"
 #include "render/view/view_supervisor.h"
+#include "render/view/view_token.h"
 
 enum { FILES_MAX = 64 };
 
 typedef struct view_verb {
     cli_common common;
     int port;
-    const char *address, *isa;
+    const char *address, *isa, *token_file;
     bool open, follow_links;
     mem m;
     view_file *files;
@@ -27,7 +28,7 @@ typedef struct view_verb {
     char token[VIEW_TOKEN_TEXT];
 } view_verb;
 
-enum { PORT = 0x3000, ADDRESS, OPEN, ISA, FOLLOW_LINKS };
+enum { PORT = 0x3000, ADDRESS, OPEN, ISA, FOLLOW_LINKS, TOKEN_FILE };
 
 static const struct argp_option OPTIONS[] = {
     {"port", PORT, "N", CLI_BASIC, "where the page is served; 0: any that is free (0)", 0},
@@ -36,6 +37,9 @@ static const struct argp_option OPTIONS[] = {
     {"open", OPEN, NULL, CLI_BASIC, "open the page in the browser, by xdg-open", 0},
     {"follow-links", FOLLOW_LINKS, NULL, 0,
      "a scene file may name files anywhere, not only in its own folder", 0},
+    {"token-file", TOKEN_FILE, "FILE", 0,
+     "keep the token there, so that the address stays the same when view starts again; made if "
+     "missing, for its owner alone", 0},
     {"isa", ISA, "auto|scalar|sse42|avx2|avx512", CLI_EXPERIMENT,
      "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
@@ -47,6 +51,7 @@ static status set_option(void *own, int key, const char *text) {
     case ADDRESS: o->address = text; return ST_OK;
     case OPEN: o->open = true; return ST_OK;
     case ISA: o->isa = text; return ST_OK;
+    case TOKEN_FILE: o->token_file = text; return ST_OK;
     case FOLLOW_LINKS: o->follow_links = true; return ST_OK;
     default: return ST_AGAIN;
     }
@@ -239,7 +244,8 @@ static int supervise(view_verb *o, view_supervisor *s) {
 
 static int run(view_verb *o) {
     view_supervisor s = {.now = NULL};
-    status st = view_access_token(o->token);
+    status st = o->token_file ? view_token_keep(o->token_file, o->token)
+                              : view_access_token(o->token);
     if (st == ST_OK)
         st = view_listen(o->address, o->port, &o->listener);
     if (st == ST_OK)

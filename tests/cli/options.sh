@@ -444,6 +444,7 @@ view|--port|shown view_server|
 view|--address|shown view_server|
 view|--open|shown view_server|
 view|--isa|shown view_server|
+view|--token-file|shown view_server|
 view|--follow-links|shown view_scene|
 view|--threads|refused --threads|@g.leaf|--threads none
 view|--memory|shown view_server|

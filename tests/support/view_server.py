@@ -450,6 +450,37 @@ def rubbish(s, count):
     ok(f"{count} requests that are none", answered)
 
 
+def kept_token():
+    """--token-file: an address that stays; files that are not to be trusted."""
+    path = folder + "/token"
+    first = serve(GRID, "--token-file", path)
+    ok("--token-file: made, for its owner alone", os.stat(path).st_mode & 0o777 == 0o600 and
+       open(path).read() == first.token + "\n")
+    ends(first, "with a token that is kept")
+    again = serve(GRID, "--token-file", path, "--port", str(first.port))
+    ok("--token-file: the same address again", again.url == first.url and refused(again) == 101)
+    ends(again, "again")
+
+    def fails(name, code, words):
+        end = subprocess.run([leafcast, "view", GRID, "--token-file", path], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                             text=True, timeout=60)
+        ok(f"--token-file: {name} ({end.stderr.strip()})", end.returncode == code and words in end.stderr)
+    for mode in (0o640, 0o604, 0o620):
+        os.chmod(path, mode)
+        fails(f"one of mode {mode:o}", 2, "others may read or write it")
+    os.chmod(path, 0o600)
+    for text in ("", first.token[:-1], first.token.upper().replace("0", "A"), first.token + "0", first.token + "\nx", "g" * 32):
+        with open(path, "w") as f:
+            f.write(text)
+        fails(f"'{text[:40]!r}'", 3, "no token")
+    os.remove(path)
+    os.mkfifo(path, 0o600)
+    fails("a pipe", 2, "regular file")
+    os.remove(path)
+    path = folder + "/nowhere/token"
+    fails("in no folder", 1, "No such file")
+
+
 def ending():
     s = serve(GRID, "--threads", "2", "--memory", "1G", "--verbose", "--isa", "scalar")
     page = Page(s)
@@ -505,6 +536,7 @@ def main():
     fuzz(s, 200 if WATCHED else 2000)
     rubbish(s, 30 if WATCHED else 300)
     ends(s, "after all")
+    kept_token()
     ending()
     print("end")
 
