@@ -23,9 +23,8 @@ static status check_owner(const char *path, int fd) {
     if (s.st_uid != geteuid())
         return status_describe(ST_USAGE, "%s: it is another user's, who can read the token", path);
     if ((s.st_mode & (S_IRWXG | S_IRWXO)) != 0)
-        return status_describe(ST_USAGE,
-                               "%s: others may read or write it: keep it to yourself by chmod 600",
-                               path);
+        return status_describe(
+            ST_USAGE, "%s: others may read or write it: keep it to yourself by chmod 600", path);
     return ST_OK;
 }
 

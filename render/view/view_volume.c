@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/cli_json.h"
+#include "formats/base/cpu.h"
 #include "formats/base/text.h"
 #include "formats/base/world_frame.h"
 #include "render/app/colour_map.h"
@@ -219,6 +220,12 @@ static json_t *ends_json(leafcast_axes axes) {
     return out;
 }
 
+/* The instructions that are used; what names no ISA is an experiment's, which names itself. */
+static const char *isa_used(const char *asked) {
+    cpu_isa isa;
+    return cpu_isa_find(asked, &isa) ? cpu_isa_name(isa) : asked;
+}
+
 static json_t *describe(const view_file *files, int count, int which, const view_machine *machine,
                         const byte_table *table) {
     const leafcast *volume = files[which].volume;
@@ -259,7 +266,7 @@ static json_t *describe(const view_file *files, int count, int which, const view
     json_object_set_new(out, "file_bytes", json_integer((json_int_t)info.file_bytes));
     json_object_set_new(out, "memory", json_integer((json_int_t)machine->memory));
     json_object_set_new(out, "threads", json_integer(machine->threads));
-    json_object_set_new(out, "isa", json_string(machine->isa ? machine->isa : "auto"));
+    json_object_set_new(out, "isa", json_string(isa_used(machine->isa)));
     json_object_set_new(out, "fields", fields);
     json_object_set_new(out, "steps", steps_json(volume, info.steps));
     json_object_set_new(out, "colour_maps", maps_json(table));

@@ -24,7 +24,7 @@ export function annotationFlags(a) {
 
 // ---- the panel ----
 
-function words(label, {value, max, change}) {
+export function words(label, {value, max, change}) {
   const input = element("input", {type: "text", maxlength: max, "aria-label": label, value});
   input.addEventListener("change", () => change(input.value.trim()));
   return element("div", {class: "field"}, element("span", {}, label), input);

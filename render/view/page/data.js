@@ -1,5 +1,7 @@
 // data.js - which file, field and time step is shown; steps play one after another, none left out.
+import {words} from "./annotate.js";
 import {byId, bytes, check, choice, element, short, slider} from "./dom.js";
+import {UNIT_MAX, valueUnit} from "./state.js";
 import {ABSENT, HERE, NOTHING, SEEN, mix} from "./treelets.js";
 
 export class Data {
@@ -23,6 +25,13 @@ export class Data {
       parts.push(choice("Field", {options: v.fields.map((f, i) => [i, f.name || `field ${i}`]), value: d.field,
         change: i => app.chooseField(+i)}));
     if (v.steps.length > 1) parts.push(...this.steps(v, d));
+    const f = v.fields[d.field];
+    if (!v.surface) parts.push(words("Unit of values", {value: valueUnit(f, app.model), max: UNIT_MAX, change: unit => {
+      app.model.units[f.name] = unit;
+      for (const part of [app.surfaces, app.media]) part.build();
+      app.pick.show();
+      app.changed(false);
+    }}));
     parts.push(this.list = this.facts(v));
     byId("data").replaceChildren(...parts);
     app.honesty.ask();

@@ -16,12 +16,12 @@ export class Plot {
   }
 
   // Of a field at a step (stepOf()); the plot reaches over all steps.
-  show(field, step) {
+  show(field, step, unit = "") {
     this.field = field;
     this.step = step;
     [this.low, this.high] = field.data;
     if (!(this.high > this.low)) this.high = this.low + 1;
-    this.ends.replaceChildren(...field.data.map(v => element("span", {}, short(v))));
+    this.ends.replaceChildren(...field.data.map((v, i) => element("span", {}, i && unit ? `${short(v)} ${unit}` : short(v))));
     this.draw();
   }
 

@@ -2,6 +2,7 @@
 import {Annotate} from "./annotate.js";
 import {AXES, axisView, drive, fit, setUp, sides, upward, widen} from "./camera.js";
 import {Clip} from "./clip.js";
+import {ColourBar} from "./colour_bar.js";
 import {Crash} from "./crash.js";
 import {Data} from "./data.js";
 import {byId, choice, element, slider} from "./dom.js";
@@ -36,6 +37,7 @@ class App {
     this.clip = new Clip(this);
     this.light = new Light(this);
     this.annotate = new Annotate(this);
+    this.bar = new ColourBar(this);
     this.data = new Data(this);
     this.pick = new Pick(this);
     this.honesty = new Honesty(this);
@@ -62,9 +64,11 @@ class App {
       this.data.shown(head);
       this.movie.shown(head);
       this.crash.shown(head);
+      if (head.number >= this.unproven) this.unproven = 0;
       if (this.refused && head.number > this.refused) { this.refused = 0; this.quiet(); }
     });
     on("refused", ({number, why}) => {
+      if (this.unproven && number >= this.unproven) return this.drop(why);
       this.refused = number ?? 0;
       if (number) this.honesty.mark("not drawn", "bad");
       this.say(why);
@@ -76,12 +80,12 @@ class App {
     });
     on("open", () => { this.honesty.mark("connecting", ""); this.quiet(); });
     window.addEventListener("hashchange", () => {
-      const flags = location.hash !== this.fragment && this.volume && fromFragment(location.hash);
+      const flags = location.hash !== this.fragment && this.volume && this.addressed();
       if (!flags) return;
       clearTimeout(this.writing);
       const other = this.numberOf(flags.file);
       if (this.scene.told && other !== this.volume.which) this.scene.last = flags;
-      if (other === this.volume.which) return this.adopt(flags);
+      if (other === this.volume.which) return this.adopt(flags, false, true);
       this.open(other);
       this.models.delete(other);
     });
@@ -96,7 +100,7 @@ class App {
     document.body.classList.toggle("of-scene", Boolean(volume.scene));
     byId("slices-toggle").disabled = volume.surface;
     for (const [k, name] of sides(volume).entries()) byId("axis").options[k + 1].textContent = name;
-    const saved = fromFragment(location.hash), first = !this.opened;
+    const first = !this.opened, saved = first ? this.addressed() : fromFragment(location.hash);
     this.opened = true;
     if (first && saved && this.numberOf(saved.file) !== volume.which) return void this.link.open(this.numberOf(saved.file));
     this.entitle();
@@ -105,7 +109,21 @@ class App {
     const before = this.models.get(volume.which);
     if (before) return this.take(before);
     const mine = saved && [undefined, volume.file, volume.which].includes(saved.file) ? saved : null;
-    this.adopt(mine ?? volume.state, !mine);
+    this.adopt(mine ?? volume.state, !mine, Boolean(mine));
+  }
+
+  // The state in the address; null: there is none, which is told where something else is.
+  addressed() {
+    const saved = fromFragment(location.hash), text = location.hash.slice(1);
+    if (!saved && text && !document.getElementById(text)) this.dropped = "no state of a picture";
+    return saved;
+  }
+
+  // What the address holds cannot be drawn: it gives way to what the page begins with.
+  drop(why) {
+    this.unproven = 0;
+    this.adopt(this.volume.state, true);
+    this.say(`What the address holds is dropped: ${why}.`);
   }
 
   // What the page shows of a scene stays, whichever of its objects the controls are about.
@@ -113,7 +131,7 @@ class App {
     const {last} = this.scene, {state} = this.volume;
     this.scene.last = null;
     if (again && !last) return void (this.crash.after ? this.crash.goOn() : this.changed(false));
-    this.adopt(last ?? (first && saved ? saved : state), first && !saved);
+    this.adopt(last ?? (first && saved ? saved : state), first && !saved, first && Boolean(saved) && !last);
   }
 
   // The file that is shown has further steps, whose values may reach further.
@@ -148,18 +166,24 @@ class App {
     return found >= 0 && found < files.length ? found : which;
   }
 
-  // Draw what these flags say. first: they are the server's, made for a wide picture.
-  adopt(flags, first = false) {
+  // Draw what these flags say. first: they are the server's, made for a wide picture. foreign: they are the address's,
+  // and may be anything.
+  adopt(flags, first = false, foreign = false) {
     try {
       const {file, ...state} = flags;
       this.model = this.modelOf(state);
-    } catch {
+      this.unproven = foreign ? this.link.number + 1 : 0; // the first view of it
+      if (first && this.volume.scene?.fitted !== false) this.widen();
+      this.home = first ? this.stands : null;
+      this.take(this.model);
+    } catch (error) {
+      if (first) throw error;
+      if (foreign) return this.drop("no state of a picture");
+      this.adopt(this.volume.state, true);
       this.say("This is no state of a picture.");
-      this.model = this.modelOf(this.volume.state);
     }
-    if (first && this.volume.scene?.fitted !== false) this.widen();
-    this.home = first ? this.stands : null;
-    this.take(this.model);
+    if (this.dropped) this.say(`What the address holds is dropped: ${this.dropped}.`);
+    this.dropped = null;
   }
 
   modelOf(state) { return this.scene.told ? this.scene.adopt(state) : fromFlags(state, this.volume); }
@@ -231,11 +255,12 @@ class App {
     this.pick.mark();
     this.slices.update(moving);
     this.annotate.outline(moving);
+    this.bar.show();
     this.screen.canvas.classList.toggle("clear", this.model.light.clear);
     byId("ortho").setAttribute("aria-pressed", this.model.camera.ortho);
     this.fov?.set(this.model.camera.fov);
     this.upChoice?.set(AXES.indexOf(this.model.camera.up.join()));
-    const number = this.link.view(flags, this.screen.width, this.screen.height, moving, this.honesty.where);
+    const number = this.link.view(this.bar.drawn(flags), this.screen.width, this.screen.height, moving, this.honesty.where);
     this.crash.ask(number, flags);
     return number;
   }
@@ -262,6 +287,8 @@ class App {
 
   hands() {
     const canvas = byId("picture");
+    window.addEventListener("pointerdown", () => document.body.classList.add("pointed"), true);
+    window.addEventListener("keydown", () => document.body.classList.remove("pointed"), true);
     drive(canvas, {
       camera: () => this.model?.camera,
       volume: () => this.world,

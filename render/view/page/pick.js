@@ -1,6 +1,7 @@
 // pick.js - what is at a pixel or a point, marks of it on the picture, and the distance of two.
 import {byId, element, short} from "./dom.js";
 import {project} from "./camera.js";
+import {lengthUnit, valueUnit} from "./state.js";
 import {length, sub} from "./vector.js";
 
 const NS = "http://www.w3.org/2000/svg";
@@ -56,14 +57,22 @@ export class Pick {
     this.show();
   }
 
+  // The page knows the field of the object that is chosen.
+  units(p) {
+    const {volume, model} = this.app, across = lengthUnit(volume, model);
+    const value = volume.scene && p.object !== volume.which ? "" : valueUnit(volume.fields[model.data.field], model);
+    return {position: across, distance: across, value, gradient: value && across ? `${value}/${across}` : ""};
+  }
+
   lines(p) {
-    const vector = v => v.map(x => short(x, 6)).join(", "), {volume} = this.app;
+    const vector = v => v.map(x => short(x, 6)).join(", "), {volume} = this.app, unit = this.units(p);
+    const of = key => unit[key] ? ` ${unit[key]}` : "";
     const {cell} = volume.scene?.objects[p.object] ?? volume;
-    return [volume.scene ? ["object", volume.files[p.object]] : null, ["position", vector(p.point)], p.value === undefined ? null : ["value", p.value == null ? "no data" : short(p.value, 8)],
-      ["gradient", `${vector(p.gradient)}  (${short(length(p.gradient), 4)})`],
+    return [volume.scene ? ["object", volume.files[p.object]] : null, ["position", vector(p.point) + of("position")], p.value === undefined ? null : ["value", p.value == null ? "no data" : short(p.value, 8) + of("value")],
+      ["gradient", `${vector(p.gradient)}  (${short(length(p.gradient), 4)}${of("gradient")})`],
       p.error_bound == null ? null : ["error bound", short(p.error_bound, 2)],
       [cell, [p[cell]].flat().join(", ")],
-      this.points.length === 2 ? ["distance", short(length(sub(this.points[1].point, this.points[0].point)), 7)] : null]
+      this.points.length === 2 ? ["distance", short(length(sub(this.points[1].point, this.points[0].point)), 7) + of("distance")] : null]
       .filter(Boolean);
   }
 
@@ -73,10 +82,11 @@ export class Pick {
     this.mark();
     if (!p) return;
     const lines = this.lines(p);
-    // As text: numbers in full.
+    // As text: numbers in full, with their units.
+    const unit = this.units(p);
     const full = {position: p.point.join(", "), value: p.value, gradient: p.gradient.join(", "), "error bound": p.error_bound,
       distance: this.points.length === 2 ? length(sub(this.points[1].point, this.points[0].point)) : null};
-    this.text = lines.map(([a, b]) => `${a}: ${full[a] ?? b}`).join("\n");
+    this.text = lines.map(([a, b]) => full[a] == null ? `${a}: ${b}` : `${a}: ${full[a]} ${unit[a] ?? ""}`.trim()).join("\n");
     byId("card-text").replaceChildren(element("dl", {}, ...lines.flatMap(([a, b]) =>
       [element("dt", {}, a), element("dd", {"data-key": a}, b)])));
   }

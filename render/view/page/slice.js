@@ -4,7 +4,7 @@
 // pane move it; a click moves the others to the point.
 import {project} from "./camera.js";
 import {byId, check, choice, element, slider, span} from "./dom.js";
-import {centre, command, diagonal, windowOf} from "./state.js";
+import {centre, command, diagonal, stepOf, windowOf} from "./state.js";
 import {add, cross, dot, scale, sub, unit} from "./vector.js";
 
 const NAMES = ["x", "y", "z", "oblique"], TITLES = ["X", "Y", "Z", "Oblique"];
@@ -44,20 +44,51 @@ function normal(s) {
   return [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
 }
 
-// As the transfer function colours values, or by a map of the slices' own.
+const AS_VOLUME = "volume"; // in place of a map: as the transfer function colours values
+const SOFT_TISSUE = [-160, 240]; // Hounsfield units: level 40, window 400
+
+const asVolume = model => model.slices.map === AS_VOLUME && model.volume.mode !== "off";
+
+// Over which values a slice's map is spread. Of CT it is what shows organs, unless another window is said.
+function sliceWindow(model, field) {
+  const {slices: s, volume: v} = model, [low, high] = field.data;
+  const ct = !s.map && v.mode === "media" && v.preset === "ct" && low < SOFT_TISSUE[0] && high > SOFT_TISSUE[1];
+  return s.window ?? (ct ? SOFT_TISSUE : null);
+}
+
+// Grey, by a map that is chosen, or as the transfer function colours values.
 function colourFlags(model, volume) {
   const s = model.slices, v = model.volume, flags = {}, field = volume.fields[model.data.field];
   const spread = (map, own) => {
     const window = windowOf(own, field, volume);
     Object.assign(flags, {"colour-map": map}, window ? {window} : {});
   };
-  if (s.map || v.mode === "off") spread(s.map || "grey", s.window);
+  if (!asVolume(model)) spread(s.map && s.map !== AS_VOLUME ? s.map : "grey", sliceWindow(model, field));
   else {
     const preset = v.mode === "media" && v.preset !== "custom";
     if (preset) flags.tf = v.preset;
     if (v.map || !preset) spread(v.map || (v.mode === "media" ? "viridis" : "grey"), v.window);
   }
   return flags;
+}
+
+const away = (a, b) => Math.hypot(...[1, 3, 5].map(i => parseInt(a.slice(i, i + 2), 16) - parseInt(b.slice(i, i + 2), 16)));
+const SEEN = 90; // of 441, from black to white: how far a line's colour is from what is beside it, at least
+
+// Of isolines: the surface's own where that is seen, else what is seen best. beside: the slice's colours at the isovalues.
+export function lineColour(own, beside) {
+  const least = c => Math.min(...beside.map(b => away(c, b)));
+  return [own, "#ffffff", "#000000"].find(c => least(c) >= SEEN) ??
+    ["#ff9f1c", "#00e5ff", "#ffffff", "#000000"].sort((a, b) => least(b) - least(a))[0];
+}
+
+// The colours that slices have at these values, as far as the page knows.
+function coloursAt(values, flags, model, volume) {
+  const field = volume.fields[model.data.field], preset = stepOf(field, model.data.step).presets[flags.tf];
+  const ends = flags.window ?? (flags["colour-map"] || !preset ? field.data : [preset.points[0][0], preset.points.at(-1)[0]]);
+  const colours = volume.colour_maps[flags["colour-map"]] ?? preset?.colours;
+  return colours ? values.map(x => colours[Math.round(Math.min(1, Math.max(0, (x - ends[0]) / (ends[1] - ends[0] || 1))) *
+    (colours.length - 1))]) : [];
 }
 
 // The flags of `leafcast slice` for a pane.
@@ -71,8 +102,9 @@ export function sliceFlags(model, volume, k) {
   if (volume.fields.length > 1 && model.data.field > 0) flags.field = String(model.data.field);
   if (model.data.step > 0) flags.step = model.data.step;
   Object.assign(flags, colourFlags(model, volume));
-  const isos = model.surfaces.filter(x => x.on).map(x => x.iso);
-  if (s.isolines && isos.length) flags.iso = isos;
+  const shown = model.surfaces.filter(x => x.on), isos = shown.map(x => x.iso);
+  if (s.isolines && isos.length)
+    Object.assign(flags, {iso: isos, colour: lineColour(shown[0].color, coloursAt(isos, flags, model, volume))});
   if (s.nearest) flags.nearest = true;
   return flags;
 }
@@ -286,15 +318,39 @@ export class Slices {
     }}));
     if (s.on[3]) parts.push(...this.oblique());
     parts.push(
-      choice("Colours", {options: [["", "the volume's"], ...maps.map(m => [m, m])], value: s.map,
+      choice("Colours", {options: [["", "grey"], [AS_VOLUME, "the volume's"],
+        ...maps.filter(m => m !== "grey").map(m => [m, m])], value: s.map === "grey" ? "" : s.map,
         change: m => { s.map = m; this.build(); app.sliced(false); }}));
-    if (s.map || app.model.volume.mode === "off")
-      parts.push(span("Window", {min: f.data[0], max: f.data[1], value: s.window ?? f.data,
-        change: (w, rest) => { s.window = w[1] > w[0] ? w : null; change(!rest); }}));
+    if (!asVolume(app.model)) parts.push(...this.windowing(f));
     parts.push(check("Lines of the isovalues", {value: s.isolines, change: on => { s.isolines = on; change(false); }}),
       check("Nearest samples, not interpolated", {value: s.nearest, change: on => { s.nearest = on; change(false); }}),
       element("p", {class: "hint"}, "The wheel moves a slice; a click in one moves the others there, and tells the value."));
     byId("slices-panel").replaceChildren(...parts);
+  }
+
+  // From and to, and the same as level and width, as they are said of CT and MR.
+  windowing(f) {
+    const {s, app} = this, [min, max] = f.data, shown = () => sliceWindow(app.model, f) ?? f.data;
+    const set = (w, rest, row) => {
+      s.window = w[1] > w[0] ? w : null;
+      for (const r of rows) if (r !== row) r.tell();
+      app.sliced(!rest);
+    };
+    const ends = span("Window", {min, max, value: shown(), change: (w, rest) => set(w, rest, ends)});
+    const level = slider("Level", {min, max, value: 0, change: (x, rest) => {
+      const half = (shown()[1] - shown()[0]) / 2;
+      set([x - half, x + half], rest, level);
+    }});
+    const width = slider("Width", {min: 0, max: max - min, value: 0, change: (x, rest) => {
+      const middle = (shown()[0] + shown()[1]) / 2;
+      set([middle - x / 2, middle + x / 2], rest, width);
+    }});
+    ends.tell = () => ends.set(shown());
+    level.tell = () => level.set((shown()[0] + shown()[1]) / 2);
+    width.tell = () => width.set(shown()[1] - shown()[0]);
+    const rows = [ends, level, width];
+    for (const r of rows) r.tell();
+    return rows;
   }
 
   oblique() {

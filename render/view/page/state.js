@@ -7,7 +7,7 @@ import {slicesOf, slicesPage} from "./slice.js";
 import {add, dot, length, scale, sub, unit} from "./vector.js";
 
 export const COLOURS = ["#e3c08a", "#7fb2e5", "#8fce9b", "#e58f8f", "#c3a1e8", "#e6e6e6", "#e8a15c", "#6fd0cf"];
-export const SURFACES_MAX = 16, LIGHTS_MAX = 8, PLANES_MAX = 8, FOV = 35;
+export const UNIT_MAX = 12, SURFACES_MAX = 16, LIGHTS_MAX = 8, PLANES_MAX = 8, FOV = 35;
 const DRAWN_BY_MAX = ["max", "min", "mean", "first"];
 
 const rgb = text => [1, 3, 5].map(i => parseInt(text.slice(i, i + 2), 16) / 255);
@@ -78,6 +78,12 @@ function unseenOf(page) {
       on: on === true, covered: covered === true}));
 }
 
+// Of values, by their fields' names.
+function unitsOf(page) {
+  const given = page?.units && typeof page.units === "object" ? page.units : {};
+  return Object.fromEntries(Object.entries(given).filter(([, u]) => typeof u === "string").map(([k, u]) => [k, u.slice(0, UNIT_MAX)]));
+}
+
 export function fromFlags(given, volume) {
   const flags = {};
   for (const [key, value] of Object.entries(given)) flags[key.replaceAll("_", "-")] = value;
@@ -110,6 +116,7 @@ export function fromFlags(given, volume) {
     data: {field: Math.max(0, field), step: +(flags.step ?? 0)},
     annotation: annotationOf(flags),
     slices: slicesOf(flags.page, volume),
+    units: unitsOf(flags.page),
     legend: flags.legend === true,
     more: Object.fromEntries(Object.entries(flags).filter(([k]) => ["error", "homogeneous", "lod", "layers"].includes(k))),
   };
@@ -126,6 +133,16 @@ export function asideOf({range, data}) {
 // What is told of a field at a step. Of late steps nothing is: that of the first one then, but for its presets.
 export function stepOf(field, step) {
   return field.steps[step] ?? {...field.steps[0], presets: {}};
+}
+
+// The unit of a field's values: as it is said on this page, or as the field's name ends: "speed [m/s]", "T (K)". "": unknown.
+export function valueUnit(field, model) {
+  return model.units[field.name] ?? field.name.match(/[[(]([^\])]{1,12})[\])]\s*$/)?.[1] ?? "";
+}
+
+// The unit of lengths: as it is said for the picture, or the file's, where all axes have the same.
+export function lengthUnit(volume, model) {
+  return model.annotation.unit || (volume.units.every(u => u === volume.units[0]) ? volume.units[0] : "");
 }
 
 // An isovalue that no sample has: without any, one would be suggested and drawn.
@@ -195,8 +212,9 @@ function pageFlags(model, unseen) {
   const slices = slicesPage(model.slices);
   const surfaces = unseen.map(({iso, color, opacity, on, covered}) =>
     ({iso, colour: color, opacity, on, ...covered && {covered}}));
-  if (!slices && !surfaces.length) return {};
-  return {page: {...slices && {slices}, ...surfaces.length && {surfaces}}};
+  const page = {...slices && {slices}, ...surfaces.length && {surfaces},
+    ...Object.keys(model.units).length && {units: model.units}};
+  return Object.keys(page).length ? {page} : {};
 }
 
 // The flags of one volume, and of projections.

@@ -1,7 +1,7 @@
 // surfaces.js - the isosurfaces: a handle each on the histogram, and a line each below it.
 import {brief, byId, colour, element, short} from "./dom.js";
 import {Plot, drag} from "./histogram.js";
-import {COLOURS, SURFACES_MAX, asideOf, stepOf} from "./state.js";
+import {COLOURS, SURFACES_MAX, asideOf, stepOf, valueUnit} from "./state.js";
 
 export class Surfaces {
   constructor(app) {
@@ -14,6 +14,7 @@ export class Surfaces {
 
   get field() { return this.app.volume.fields[this.app.model.data.field]; }
   get step() { return stepOf(this.field, this.app.model.data.step); }
+  get unit() { return valueUnit(this.field, this.app.model); }
   get list() { return this.app.model.surfaces; }
 
   build() {
@@ -33,7 +34,7 @@ export class Surfaces {
     this.list.forEach((s, i) => this.place(i));
   }
 
-  stepped() { this.plot.show(this.field, this.step); }
+  stepped() { this.plot.show(this.field, this.step, this.unit); }
 
   // A value that a person would write: to a 2000th of the range, and a half for integers' sake.
   rounded(v) {
@@ -53,10 +54,10 @@ export class Surfaces {
     grip.style.setProperty("--grip", s.color);
     grip.classList.toggle("off", !s.on);
     grip.setAttribute("aria-valuenow", s.iso);
-    grip.setAttribute("aria-valuetext", short(s.iso, 6));
+    grip.setAttribute("aria-valuetext", `${short(s.iso, 6)} ${this.unit}`.trim());
     const number = this.rows[i].querySelector(".iso");
     if (document.activeElement !== number) number.value = brief(s.iso);
-    number.title = s.iso;
+    number.title = `${s.iso} ${this.unit}`.trim();
     this.tell();
   }
 
@@ -70,7 +71,7 @@ export class Surfaces {
 
   head() {
     return element("div", {class: "surface head", "aria-hidden": "true"},
-      ...["", "opacity", "isovalue", ""].map(text => element("span", {}, text)));
+      ...["", "opacity", this.unit ? `value, ${this.unit}` : "isovalue", ""].map(text => element("span", {}, text)));
   }
 
   grip(s, i) {

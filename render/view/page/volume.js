@@ -1,7 +1,7 @@
 // volume.js - the volume itself: colours and opacities of its values, and projections.
 import {byId, check, choice, element, short, slider, span} from "./dom.js";
 import {Plot, drag} from "./histogram.js";
-import {diagonal, stepOf} from "./state.js";
+import {diagonal, stepOf, valueUnit} from "./state.js";
 
 const MODES = [["off", "not shown"], ["media", "see-through"], ["max", "maximum (MIP)"], ["min", "minimum"],
   ["mean", "mean"], ["first", "first to reach a value"]];
@@ -58,7 +58,7 @@ export class Volume {
         change: (x, rest) => { v.length = +(this.usual * 10 ** -x).toPrecision(4); change(!rest); }}));
     parts.push(check("Colour bar in the picture", {value: app.model.legend,
       change: on => { app.model.legend = on; app.changed(false); }}));
-    this.plot.show(this.field, this.step);
+    this.plot.show(this.field, this.step, valueUnit(this.field, this.app.model));
     if (media) this.edit(host);
     return parts;
   }
@@ -83,7 +83,7 @@ export class Volume {
   }
 
   stepped() {
-    this.plot?.show(this.field, this.step);
+    this.plot?.show(this.field, this.step, valueUnit(this.field, this.app.model));
     this.refresh();
   }
 
@@ -112,6 +112,7 @@ export class Volume {
     if (mode !== "off") this.app.seeVolume();
     v.mode = mode;
     this.build();
+    this.app.slices.build();
     byId("volume").querySelector("select").focus();
     this.app.changed(false);
   }
@@ -130,6 +131,7 @@ export class Volume {
     else this.giveBack();
     this.v.preset = preset;
     this.build();
+    this.app.slices.build();
     byId("volume").querySelectorAll("select")[1].focus();
     this.app.changed(false);
   }

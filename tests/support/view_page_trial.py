@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""view_page_trial.py LEAFCAST FOLDER - what a trial of the page in a browser found: units, colours, addresses, windows.
+
+FOLDER has g.leaf, a grid. A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
+"""
+import json, signal, urllib.parse
+
+from view_browser import DESK, Browser, folder, leafcast, rgb, run_copied, same, value
+from view_client import Server, ok, png_pixels
+
+
+def focus(b):
+    """A frame says where the keys go, to who uses them."""
+    outline = "return getComputedStyle(document.getElementById('picture')).outlineStyle"
+    b.hands().move_to_element(b.canvas).click_and_hold().move_by_offset(60, 20).release().perform()
+    b.rest()
+    ok("focus: no frame after a drag", b.js(outline) == "none" and b.js("return document.activeElement.id") == "picture")
+    b.driver.switch_to.active_element.send_keys("f")
+    b.rest()
+    ok("focus: one after a key", b.js(outline) != "none")
+
+
+def address(b, url):
+    """An address that holds nothing that can be drawn leads to what the page begins with, and says so."""
+    good = b.js("return leafcast.volume.state")
+    for name, text in (("a word for a value", {"iso": "x"}), ("no camera", {"eye": "x"}), ("no shading", {"shading": "none", "iso": 3}),
+                       ("no list", {"opacity": [{}], "light": 5})):
+        b.open(url + "#" + urllib.parse.quote(json.dumps(text)))
+        ok(f"address: {name}: a picture", b.rest() and b.flags()["iso"] == good["iso"])
+        ok(f"address: {name}: and a line", "is dropped" in b.js("return document.getElementById('message').textContent") and
+           b.js("return !document.getElementById('message').hidden"))
+    b.open(url + "#%7Bnothing")
+    ok("address: no state: told, too", "is dropped" in b.js("return document.getElementById('message').textContent"))
+    b.js("location.hash = arguments[0]", "#" + json.dumps({"iso": ["y"]}))
+    ok("address: a bad one later", b.until("return document.getElementById('message').textContent.includes('is dropped')") and
+       b.rest() and b.flags()["iso"] == good["iso"])
+    b.open(url + "#panel")
+    ok("address: a place of the page is none", b.js("return document.getElementById('message').hidden"))
+    b.open(url)
+
+
+def units(b):
+    b.js("leafcast.data.build(); document.getElementById('sec-data').open = true")
+    value(b, "Unit of values", "mK")
+    ends = b.js("return [...document.querySelectorAll('#iso-plot .ends span')].map(e => e.textContent)")
+    ok(f"unit: at the histogram {ends}", ends[1].endswith(" mK"))
+    ok("unit: at the isovalues", "mK" in b.js("return document.querySelector('.surface.head').textContent"))
+    b.js("leafcast.model.annotation.unit = 'cm'")
+    b.hands().move_to_element(b.canvas).click().perform()
+    b.until("return leafcast.pick.points.length === 1")
+    text = b.js("return leafcast.pick.text")
+    ok(f"unit: of what is picked {text!r}", all(f" {u}" in line for u, line in zip(("cm", "mK"), text.split("\n"))))
+    ok("unit: of the gradient", "mK/cm" in b.js("return document.getElementById('card-text').textContent"))
+    b.js("leafcast.pick.clear(); leafcast.model.annotation.unit = ''")
+    b.choose("Show", "media")
+    b.js("leafcast.model.legend = true; leafcast.changed(false)")
+    b.rest()
+    ok("unit: at the colour bar", "mK" in b.js("return document.getElementById('colour-bar').textContent"))
+    ok("colour bar: in the page's letters", b.js("return document.getElementById('colour-bar').checkVisibility()"))
+    b.click("copy-command")
+    ok("colour bar: in the command", " --legend" in b.js("return leafcast.copied"))
+    with_bar, shown = rgb(png_pixels(run_copied(b))), rgb(b.pixels())
+    ok("colour bar: render's is not in the page's picture", with_bar != shown)
+    flags = b.flags()
+    ok("unit: in the state", list(flags["page"]["units"].values()) == ["mK"] and flags["legend"] is True)
+    b.js("leafcast.adopt(arguments[0])", flags)
+    b.rest()
+    ok("unit: and back", b.flags() == flags)
+    b.js("leafcast.model.legend = false; leafcast.model.units = {}; leafcast.build(); leafcast.changed(false)")
+    b.rest()
+    same(b, "without a colour bar")
+    ok("colour bar: off", not b.js("return document.getElementById('colour-bar').checkVisibility()"))
+    ok("the instructions that are used are told", b.js("return leafcast.volume.isa") in ("scalar", "sse42", "avx2", "avx512"))
+    b.choose("Show", "off")
+    b.rest()
+
+
+def slices(b):
+    """Grey, with window and level, lines that are seen."""
+    b.click("slices-toggle")
+    b.reveal("sec-slices")
+    exact = "return leafcast.slices.panes.slice(0, 3).every(p => p.head?.exact && p.rest)"
+    flags = "return leafcast.slices.panes[0].flags"
+    b.until(exact)
+    ok("slices: a line has the surface's colour", b.js(flags)["colour"] == b.js("return leafcast.model.surfaces[0].color"))
+    b.js("leafcast.model.surfaces[0].color = '#909090'; leafcast.surfaces.build(); leafcast.changed(false)")
+    b.rest()
+    iso, (low, high) = b.js("return leafcast.model.surfaces[0].iso"), b.js("return leafcast.volume.fields[0].data")
+    grey = 255 * (iso - low) / (high - low)
+    line = b.js(flags)["colour"]
+    ok(f"slices: else one that is seen ({line} on {grey:.0f})", line in ("#ffffff", "#000000"))
+    b.js("leafcast.model.surfaces[0].color = '#e3c08a'; leafcast.surfaces.build()")
+    b.choose("Show", "media")
+    b.choose("Opacity", "ct")
+    b.rest()
+    ok("slices: grey beside a medium in colours", b.js(flags)["colour-map"] == "grey" and "tf" not in b.js(flags))
+    b.until(exact)
+    b.js("leafcast.model.surfaces.forEach(s => { s.on = false; }); leafcast.changed(false)")
+    b.rest()
+    b.until(exact)
+    data = b.js("""const c = leafcast.slices.panes[0].canvas;
+        return [...c.getContext("2d").getImageData(0, 0, c.width, c.height).data]""")
+    ok("slices: to the pixel", all(r == g == b_ for r, g, b_ in zip(data[::4], data[1::4], data[2::4])) and len(set(data[::4])) > 9)
+    value(b, "Level, number", (low + high) / 2)
+    value(b, "Width, number", (high - low) / 4)
+    window = b.js(flags)["window"]
+    ok(f"slices: level and width {window}", abs(sum(window) - low - high) < 1e-3 * (high - low) and
+       abs(window[1] - window[0] - (high - low) / 4) < 1e-3 * (high - low))
+    b.js("""const s = document.querySelector('#slices-panel select'); s.value = "volume"; s.dispatchEvent(new Event("change"))""")
+    ok("slices: the volume's colours, asked for", b.js(flags).get("tf") == "ct")
+    b.js("leafcast.model.slices.map = ''; leafcast.model.slices.window = null")
+    b.js("leafcast.volume.fields[0].data = [-1000, 3000]; leafcast.slices.build()")
+    ok("slices: of CT what shows organs", b.js(flags)["window"] == [-160, 240])
+    b.js("leafcast.volume.fields[0].data = arguments[0]", [low, high])
+    b.click("slices-toggle")
+    b.choose("Show", "off")
+    b.rest()
+
+
+def main(parts=("focus", "units", "slices", "address")):
+    s = Server([leafcast, "view", folder + "/g.leaf"])
+    b = Browser()
+    try:
+        b.size(*DESK)
+        ok("load: a final picture", b.open(s.url))
+        for part in parts:
+            globals()[part](b, s.url) if part == "address" else globals()[part](b)
+    finally:
+        b.driver.quit()
+        s.stop(signal.SIGINT)
+    print("end")
+
+
+main()
