@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """view_page_trial.py LEAFCAST FOLDER - what a trial of the page in a browser found: units, colours, addresses, windows.
 
-FOLDER has g.leaf, a grid. A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
+FOLDER has g.leaf, a grid, and shells.leaf, distances from its centre. A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
 """
-import json, signal, urllib.parse
+import json, signal, time, urllib.parse
 
 from view_browser import DESK, Browser, folder, leafcast, rgb, run_copied, same, value
 from view_client import Server, ok, png_pixels
@@ -20,23 +20,23 @@ def focus(b):
     ok("focus: one after a key", b.js(outline) != "none")
 
 
-def address(b, url):
+def address(b):
     """An address that holds nothing that can be drawn leads to what the page begins with, and says so."""
     good = b.js("return leafcast.volume.state")
     for name, text in (("a word for a value", {"iso": "x"}), ("no camera", {"eye": "x"}), ("no shading", {"shading": "none", "iso": 3}),
                        ("no list", {"opacity": [{}], "light": 5})):
-        b.open(url + "#" + urllib.parse.quote(json.dumps(text)))
+        b.open(url_of_grid + "#" + urllib.parse.quote(json.dumps(text)))
         ok(f"address: {name}: a picture", b.rest() and b.flags()["iso"] == good["iso"])
         ok(f"address: {name}: and a line", "is dropped" in b.js("return document.getElementById('message').textContent") and
            b.js("return !document.getElementById('message').hidden"))
-    b.open(url + "#%7Bnothing")
+    b.open(url_of_grid + "#%7Bnothing")
     ok("address: no state: told, too", "is dropped" in b.js("return document.getElementById('message').textContent"))
     b.js("location.hash = arguments[0]", "#" + json.dumps({"iso": ["y"]}))
     ok("address: a bad one later", b.until("return document.getElementById('message').textContent.includes('is dropped')") and
        b.rest() and b.flags()["iso"] == good["iso"])
-    b.open(url + "#panel")
+    b.open(url_of_grid + "#panel")
     ok("address: a place of the page is none", b.js("return document.getElementById('message').hidden"))
-    b.open(url)
+    b.open(url_of_grid)
 
 
 def units(b):
@@ -73,6 +73,29 @@ def units(b):
     ok("the instructions that are used are told", b.js("return leafcast.volume.isa") in ("scalar", "sse42", "avx2", "avx512"))
     b.choose("Show", "off")
     b.rest()
+
+
+def second(b):
+    """A surface that is added: the outer one lets the inner one be seen, whichever it is."""
+    shells = Server([leafcast, "view", folder + "/shells.leaf"])
+    b.open(shells.url)
+    for first, then in ((20, 8), (8, 20)):
+        b.js("leafcast.model.surfaces.splice(1); leafcast.surfaces.set(0, arguments[0], true); "
+             "leafcast.model.surfaces[0].opacity = 1; leafcast.volume.fields[0].steps[0].suggested = [arguments[1]]", first, then)
+        b.rest()
+        b.click("surface-add")
+        b.until("return leafcast.model.surfaces.find(s => s.iso === 8)?.opacity === 1")
+        b.rest()
+        flags = b.flags()
+        ok(f"second surface: the outer one is seen through, {then} after {first}",
+           flags["iso"] == [first, then] and dict(zip(flags["iso"], flags["opacity"])) == {8: 1, 20: 0.45})
+    b.js("leafcast.model.surfaces.splice(1); leafcast.model.surfaces[0].opacity = 0.3; leafcast.surfaces.build()")
+    b.click("surface-add")
+    time.sleep(1)
+    b.rest()
+    ok("second surface: an opacity that a hand has set stays", b.flags()["opacity"] == [0.3, 1])
+    b.open(url_of_grid)
+    shells.stop(signal.SIGINT)
 
 
 def slices(b):
@@ -117,14 +140,16 @@ def slices(b):
     b.rest()
 
 
-def main(parts=("focus", "units", "slices", "address")):
+def main(parts=("focus", "units", "second", "slices", "address")):
+    global url_of_grid
     s = Server([leafcast, "view", folder + "/g.leaf"])
+    url_of_grid = s.url
     b = Browser()
     try:
         b.size(*DESK)
         ok("load: a final picture", b.open(s.url))
         for part in parts:
-            globals()[part](b, s.url) if part == "address" else globals()[part](b)
+            globals()[part](b)
     finally:
         b.driver.quit()
         s.stop(signal.SIGINT)

@@ -3,6 +3,9 @@ import {brief, byId, colour, element, short} from "./dom.js";
 import {Plot, drag} from "./histogram.js";
 import {COLOURS, SURFACES_MAX, asideOf, stepOf, valueUnit} from "./state.js";
 
+const THROUGH = 0.45; // an opacity through which others are seen
+const RAYS = 7; // a side: how many tell which surface lies within which
+
 export class Surfaces {
   constructor(app) {
     this.app = app;
@@ -129,11 +132,32 @@ export class Surfaces {
       for (let j = 1; j < all.length; j++) if (all[j] - all[j - 1] > all[k] - all[k - 1]) k = j;
       iso = this.rounded((all[k] + all[k - 1]) / 2);
     }
-    // What is there already lets the new one be seen.
+    // What is there already lets the new one be seen, until it is known which lies within which.
     const used = this.list.map(s => s.color), color = COLOURS.find(c => !used.includes(c)) ?? COLOURS[0];
-    for (const s of this.list) if (s.opacity === 1) s.opacity = 0.45;
+    for (const s of this.list) if (s.opacity === 1) s.opacity = THROUGH;
     this.list.push({iso, color, opacity: 1, on: true});
     this.build();
     this.app.changed(false);
+    this.uncover();
+  }
+
+  // The surface that rays from here meet least lies within the others: it alone is opaque. Opacities that a hand has
+  // set stay.
+  async uncover() {
+    const {app, list} = this, {width, height} = app.screen, on = list.filter(s => s.on), met = on.map(() => 0);
+    const place = k => (k + 0.5) / RAYS;
+    for (let y = 0; y < RAYS; y++) {
+      const row = Array.from({length: RAYS}, (_, x) => app.link.pick({x: place(x) * width, y: place(y) * height}));
+      for (const hit of await Promise.all(row))
+        if (hit?.hit && (hit.object ?? app.volume.which) === app.volume.which && hit.surface in met) met[hit.surface]++;
+    }
+    const ours = on.map((s, i) => i).filter(i => [1, THROUGH].includes(on[i].opacity));
+    const same = app.model && this.list === list && on.every(s => list.includes(s) && s.on);
+    if (!same || ours.length < 2 || !met.some(Boolean)) return;
+    const inner = ours.reduce((a, b) => met[b] < met[a] || (met[b] === met[a] && on[a].opacity < 1) ? b : a);
+    if (on[inner].opacity === 1) return;
+    for (const i of ours) on[i].opacity = i === inner ? 1 : THROUGH;
+    this.build();
+    app.changed(false);
   }
 }
