@@ -261,18 +261,46 @@ static void smooth(const float *from, int bins, double to[HISTOGRAM_BINS]) {
         to[k] /= most;
 }
 
-static void scores_of(const histogram *h, double score[HISTOGRAM_BINS]) {
+/* A mesh is material throughout: no air, no noise. Where its gradient is greatest there are often
+ * only corners and notches, which says nothing of the rest. So there area and volume count alone,
+ * g A V, and at least one sample in TAIL lies beyond an isovalue, on either side. */
+enum { TAIL = 100 };
+
+static bool is_mesh(const histogram *h) {
+    static const uint8_t none[6];
+    for (uint32_t k = 0; k < h->bins; k++)
+        if (memcmp(h->box[k], none, sizeof none) != 0)
+            return false;
+    return h->bins > 0;
+}
+
+/* Whether enough lies beyond the bins at both sides of an edge: what is suggested may be half a bin
+ * from it. */
+static bool in_bulk(const histogram *h, int k, uint64_t below) {
+    const uint64_t before = k > 0 ? h->samples[k - 1] : 0, behind = h->samples[k];
+    return (below - before) * TAIL >= h->drawn && (h->drawn - below - behind) * TAIL >= h->drawn;
+}
+
+/* Returns whether any isovalue has a score. tails: take those of a mesh that have hardly anything
+ * beyond, too. */
+static bool scores_of(const histogram *h, bool tails, double score[HISTOGRAM_BINS]) {
     const int bins = (int)h->bins;
+    const bool mesh = is_mesh(h);
     double gradient[HISTOGRAM_BINS], area[HISTOGRAM_BINS];
     uint64_t below = 0;
+    bool any = false;
     smooth(h->gradient, bins, gradient);
     smooth(h->area, bins, area);
     for (int k = 0; k < bins; k++) {
         const uint64_t above = h->drawn - below;
         const double g = gradient[k], volume = (double)(below < above ? below : above);
-        score[k] = h->active[k] ? g * g * g * g * g * area[k] * volume : 0;
+        const double sharp = mesh ? g : g * g * g * g * g;
+        const bool taken = h->active[k] && (!mesh || tails || in_bulk(h, k, below));
+        score[k] = taken ? sharp * area[k] * volume : 0;
+        any = any || score[k] > 0;
         below += h->samples[k];
     }
+    return any;
 }
 
 /* The shortest decimal within half a bin of an edge; the edge itself if the bin is one
@@ -356,7 +384,8 @@ int histogram_suggest(const histogram *h, double *isovalues, int most) {
     double score[HISTOGRAM_BINS];
     bool peak[HISTOGRAM_BINS];
     int count = 0;
-    scores_of(h, score);
+    if (!scores_of(h, false, score)) /* nearly all have the same value */
+        (void)scores_of(h, true, score);
     for (int k = 0; k < bins; k++) {
         peak[k] = score[k] > 0;
         for (int i = k - PEAK_WIDTH; i <= k + PEAK_WIDTH; i++)

@@ -520,17 +520,68 @@ static void test_suggestion(void **state) {
     assert_true(isovalues[0] > 21 && isovalues[0] < 180);
 }
 
+/* Cells of a mesh, evenly from 0 to 1, but that `far` of a thousand go on to 5, ever steeper. */
+static void make_stress(histogram *h, uint32_t far) {
+    enum { CELLS = 20000 };
+    static histogram_cell cells[CELLS];
+    const double range[2] = {0.0, 5.0};
+    for (uint32_t i = 0; i < CELLS; i++) {
+        const uint32_t bulk = CELLS - CELLS / 1000 * far;
+        const float v = i < bulk ? (float)i / (float)bulk
+                                 : 1.0f + 4.0f * (float)(i - bulk) / (float)(CELLS - bulk);
+        const float half = i < bulk ? 0.02f : 0.4f;
+        cells[i] = (histogram_cell){.value = v,
+                                    .lo = fmaxf(0.0f, v - half),
+                                    .hi = fminf(5.0f, v + half),
+                                    .slope = i < bulk ? 1.0f : 300.0f,
+                                    .area = 1.0f};
+    }
+    histogram_build(h, cells, CELLS, SAMPLE_F32, range, CELLS);
+}
+
+/* What is suggested of a mesh is no corner of it: one in a hundred lies beyond, on either side. */
+static void test_mesh_suggestion(void **state) {
+    (void)state;
+    for (uint32_t far = 4; far <= 9; far++) {
+        histogram h;
+        double isovalues[HISTOGRAM_ISOVALUES];
+        make_stress(&h, far);
+        const int count = histogram_suggest(&h, isovalues, HISTOGRAM_ISOVALUES);
+        assert_true(count >= 1);
+        assert_true(isovalues[0] > 0.2 && isovalues[0] < 0.8);
+        for (int i = 0; i < count; i++)
+            assert_true(isovalues[i] >= 0.01 && isovalues[i] <= 0.99);
+    }
+    histogram h;
+    double isovalue;
+    make_stress(&h, 0);
+    memset(h.samples, 0, sizeof h.samples);
+    h.samples[40] = 4;
+    h.samples[20] = (uint32_t)h.drawn - 4;
+    assert_int_equal(histogram_suggest(&h, &isovalue, 1), 1); /* better than none */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bytes),         cmocka_unit_test(test_wide_integers),
-        cmocka_unit_test(test_floats),        cmocka_unit_test(test_outlier),
-        cmocka_unit_test(test_none),          cmocka_unit_test(test_measures),
-        cmocka_unit_test(test_drawn),         cmocka_unit_test(test_draw_places),
-        cmocka_unit_test(test_tet),           cmocka_unit_test(test_hex),
-        cmocka_unit_test(test_faults),        cmocka_unit_test(test_suggestion),
-        cmocka_unit_test(test_unused_edges),  cmocka_unit_test(test_rows),
-        cmocka_unit_test(test_marker),        cmocka_unit_test(test_aside),
-        cmocka_unit_test(test_aside_of_what), cmocka_unit_test(test_parting),
+        cmocka_unit_test(test_bytes),
+        cmocka_unit_test(test_wide_integers),
+        cmocka_unit_test(test_floats),
+        cmocka_unit_test(test_outlier),
+        cmocka_unit_test(test_none),
+        cmocka_unit_test(test_measures),
+        cmocka_unit_test(test_drawn),
+        cmocka_unit_test(test_draw_places),
+        cmocka_unit_test(test_tet),
+        cmocka_unit_test(test_hex),
+        cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_suggestion),
+        cmocka_unit_test(test_mesh_suggestion),
+        cmocka_unit_test(test_unused_edges),
+        cmocka_unit_test(test_rows),
+        cmocka_unit_test(test_marker),
+        cmocka_unit_test(test_aside),
+        cmocka_unit_test(test_aside_of_what),
+        cmocka_unit_test(test_parting),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
