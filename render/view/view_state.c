@@ -6,6 +6,7 @@
 #include "formats/base/cli_json.h"
 #include "formats/base/cli_options.h"
 #include "formats/base/json_text.h"
+#include "formats/base/vec3.h"
 #include "render/app/colour_map.h"
 #include "render/app/render_script.h"
 #include "render/app/transfer_preset.h"
@@ -74,21 +75,45 @@ static json_t *vector(const double x[3]) {
     return json_pack("[f,f,f]", x[0], x[1], x[2]);
 }
 
-json_t *view_state_first(const leafcast *volume) {
-    enum { WIDTH = 1280, HEIGHT = 720 };
-    leafcast_camera c = {.size = sizeof c};
+static double first_isovalue(const leafcast *volume) {
     double isovalue = 0.0, range[2] = {0.0, 1.0};
     int count = 0;
-    json_t *state = json_object();
-    if (leafcast_suggested_isovalues(volume, 0, 0, &isovalue, 1, &count) != LEAFCAST_OK ||
-        count == 0) {
-        /* Nothing can be suggested: no two values differ. */
-        isovalue = leafcast_range(volume, 0, 0, range) == LEAFCAST_OK && range[0] <= range[1]
-                       ? range[1]
-                       : 0.0;
+    if (leafcast_suggested_isovalues(volume, 0, 0, &isovalue, 1, &count) == LEAFCAST_OK &&
+        count > 0)
+        return isovalue;
+    /* Nothing can be suggested: no two values differ. */
+    return leafcast_range(volume, 0, 0, range) == LEAFCAST_OK && range[0] <= range[1] ? range[1]
+                                                                                      : 0.0;
+}
+
+/* Returns the camera that fits the surface of an isovalue into a picture. */
+static leafcast_camera first_camera(const leafcast *volume, double isovalue, uint32_t width,
+                                    uint32_t height) {
+    leafcast_camera c = {.size = sizeof c};
+    if (leafcast_fit_view(volume, 0, 0, &isovalue, 1, 0.0, width, height, &c) != LEAFCAST_OK)
+        c = leafcast_standard_view(volume, 2.2, width, height);
+    return c;
+}
+
+json_t *view_state_fits(const leafcast *volume) {
+    enum { HEIGHT = 720 };
+    static const double widths[] = {0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0}; /* of the height */
+    const double isovalue = first_isovalue(volume);
+    json_t *out = json_array();
+    for (size_t i = 0; i < sizeof widths / sizeof *widths; i++) {
+        const leafcast_camera c =
+            first_camera(volume, isovalue, (uint32_t)(widths[i] * HEIGHT), HEIGHT);
+        double away[3];
+        vec3_sub(c.eye, c.look_at, away);
+        json_array_append_new(out, json_pack("[f,f]", widths[i], vec3_length(away)));
     }
-    if (leafcast_fit_view(volume, 0, 0, &isovalue, 1, 0.0, WIDTH, HEIGHT, &c) != LEAFCAST_OK)
-        c = leafcast_standard_view(volume, 2.2, WIDTH, HEIGHT);
+    return out;
+}
+
+json_t *view_state_first(const leafcast *volume) {
+    const double isovalue = first_isovalue(volume);
+    const leafcast_camera c = first_camera(volume, isovalue, 1280, 720);
+    json_t *state = json_object();
     if (!(leafcast_describe(volume).abilities & LEAFCAST_ABILITY_GIVEN))
         json_object_set_new(state, "iso", json_pack("[f]", isovalue));
     json_object_set_new(state, "eye", vector(c.eye));

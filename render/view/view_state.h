@@ -29,4 +29,8 @@ CHECKED status view_state_check_names(const medium_options *medium);
  * and the camera that fits it. NULL: no memory. */
 json_t *view_state_first(const leafcast *volume);
 
+/* view_state_fits() - returns how far that state's eye is away in pictures of other proportions: an
+ * array of [width / height, distance], ascending. */
+json_t *view_state_fits(const leafcast *volume);
+
 #endif

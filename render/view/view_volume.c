@@ -271,6 +271,7 @@ static json_t *describe(const view_file *files, int count, int which, const view
     json_object_set_new(out, "steps", steps_json(volume, info.steps));
     json_object_set_new(out, "colour_maps", maps_json(table));
     json_object_set_new(out, "state", view_state_first(volume));
+    json_object_set_new(out, "fits", view_state_fits(volume));
     return out;
 }
 

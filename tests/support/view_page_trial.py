@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """view_page_trial.py LEAFCAST FOLDER - what a trial of the page in a browser found: units, colours, addresses, windows.
 
-FOLDER has g.leaf, a grid, and shells.leaf, distances from its centre. A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
+FOLDER has g.leaf, a grid, and shells.leaf, distances from its centre,
+and slab.leaf, something wide and flat. A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
 """
 import json, signal, time, urllib.parse
 
@@ -98,6 +99,22 @@ def second(b):
     shells.stop(signal.SIGINT)
 
 
+def opened(b):
+    """What is opened fills the picture, whatever the picture's proportions."""
+    slab = Server([leafcast, "view", folder + "/slab.leaf"])
+    for size in ((1280, 720), (900, 700), (1280, 500), (700, 900)):
+        b.size(*size)
+        b.open(slab.url)
+        width, height, data = rgb(b.pixels())
+        inside = [i for i in range(width * height) if data[3 * i] > 80]  # not the ground, which is dark
+        across = (max(i % width for i in inside) - min(i % width for i in inside)) / width
+        up = (inside[-1] // width - inside[0] // width) / height
+        ok(f"open: fills {size}: {across:.2f} across, {up:.2f} up", (0.8 if size == (1280, 500) else 0.84) < max(across, up) < 1)
+    slab.stop(signal.SIGINT)
+    b.size(*DESK)
+    b.open(url_of_grid)
+
+
 def slices(b):
     """Grey, with window and level, lines that are seen."""
     b.click("slices-toggle")
@@ -140,7 +157,7 @@ def slices(b):
     b.rest()
 
 
-def main(parts=("focus", "units", "second", "slices", "address")):
+def main(parts=("focus", "units", "second", "opened", "slices", "address")):
     global url_of_grid
     s = Server([leafcast, "view", folder + "/g.leaf"])
     url_of_grid = s.url

@@ -17,7 +17,7 @@ import {Screen} from "./screen.js";
 import {fromFlags, fromFragment, stepOf, toFlags, toFragment} from "./state.js";
 import {Slices} from "./slice.js";
 import {Surfaces} from "./surfaces.js";
-import {add, scale, sub} from "./vector.js";
+import {add, scale, sub, unit} from "./vector.js";
 import {Volume} from "./volume.js";
 
 const REST_MS = 120, GLIDE_MS = 220, SAY_MS = 4000, PROPORTION = 16 / 9;
@@ -375,10 +375,15 @@ class App {
     this.changed(false);
   }
 
-  // The server's cameras are made for a wide picture.
+  // The server's cameras are made for a wide picture. Of a volume it tells how far they are in others; that is convex in
+  // 1 / aspect, so that between two of these nothing is cut off.
   widen() {
-    const aspect = this.screen.width / this.screen.height;
-    if (aspect < PROPORTION) widen(this.model.camera, this.world.bounds, aspect, PROPORTION / aspect);
+    const aspect = this.screen.width / this.screen.height, {fits, scene} = this.volume, c = this.model.camera;
+    if (!scene) {
+      const k = Math.max(1, fits.filter(([a]) => a < aspect).length), [[a, near], [b, far]] = [fits[k - 1], fits[k] ?? fits[k - 1]];
+      const share = Math.min(1, Math.max(0, (1 / a - 1 / aspect) / (1 / a - 1 / b || 1)));
+      c.eye = add(c.lookAt, scale(unit(sub(c.eye, c.lookAt)), near + share * (far - near)));
+    } else if (aspect < PROPORTION) widen(this.model.camera, this.world.bounds, aspect, PROPORTION / aspect);
   }
 
   axis(k) {
