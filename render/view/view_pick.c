@@ -6,6 +6,7 @@
 #include "render/app/cell_text.h"
 #include "render/app/view_camera.h"
 #include "render/view/view_cast.h"
+#include "render/view/view_through.h"
 
 static json_t *vector(const double x[3]) {
     json_t *list = json_array();
@@ -40,27 +41,53 @@ static void describe_hit(json_t *out, const view_options *v, const leafcast *vol
         json_object_set_new(out, "field", json_integer(field));
 }
 
-/* Find the first hit in the scene without media: a probed ray meets surfaces only. */
-static status first_hit(mem *m, view_wish *wish, const double at[2], leafcast_hit *hit,
-                        int *count) {
+/* What a ray through a pixel shows. */
+typedef struct pixel_ray {
+    double origin[3], direction[3];
+    leafcast_hit hit; /* the first one with a surface, if count is not 0 */
+    int count;
+    view_through through; /* else what it shows of a projection or medium */
+} pixel_ray;
+
+static status see_through(mem *m, const view_wish *wish, const leafcast_scene *scene,
+                          const transfer_list *medium, pixel_ray *r) {
+    uint32_t field;
+    status st = view_options_field(&wish->view, wish->volume, &field);
+    if (st == ST_OK)
+        st = (status)leafcast_select_between(wish->volume, field, wish->view.step,
+                                             wish->view.time.between);
+    return st == ST_OK ? view_through_find(m, wish->volume, scene, medium, r->origin, r->direction,
+                                           &r->through)
+                       : st;
+}
+
+/* Find the first hit in the scene without media: a probed ray meets surfaces only. Where there is
+ * none, find what is seen without one. A projection shows no surfaces. */
+static status look_along(mem *m, view_wish *wish, const double at[2], pixel_ray *r) {
     view_options *v = &wish->view;
     picture_scene parts;
-    leafcast_scene scene;
-    double suggested[LEAFCAST_SUGGESTIONS_MAX], origin[3], direction[3];
+    leafcast_scene scene = {.project = LEAFCAST_PROJECT_NONE};
+    double suggested[LEAFCAST_SUGGESTIONS_MAX];
     const picture_volume volume = {wish->volume, v, NULL, 0};
     picture_scene_init(&parts, m);
-    status st = picture_scene_choose(wish->volume, v, suggested, count);
-    *count = 0;
+    status st = picture_scene_choose(wish->volume, v, suggested, &r->count);
+    r->count = 0;
     if (st == ST_OK)
         st = view_options_check(v);
     if (st == ST_OK)
         st = picture_scene_describe(&parts, &volume, 1, true, &scene);
-    if (st == ST_OK && v->isos > 0) {
+    if (st == ST_OK) {
         const leafcast_camera camera = view_camera_of(v, wish->volume);
+        leafcast_pixel_ray(&camera, at[0], at[1], r->origin, r->direction);
         scene.media_count = 0;
-        leafcast_pixel_ray(&camera, at[0], at[1], origin, direction);
-        st = (status)leafcast_probe_ray(wish->volume, &scene, origin, direction, hit, 1, count);
     }
+    const bool projected = scene.project != LEAFCAST_PROJECT_NONE;
+    if (st == ST_OK && v->isos > 0 && !projected)
+        st = (status)leafcast_probe_ray(wish->volume, &scene, r->origin, r->direction, &r->hit, 1,
+                                        &r->count);
+    if (st == ST_OK && r->count == 0 && (projected || parts.transfer[0].count > 0) &&
+        !v->is_surface)
+        st = see_through(m, wish, &scene, &parts.transfer[0], r);
     picture_scene_release(&parts);
     return st;
 }
@@ -132,18 +159,54 @@ static status pick_in_scene(mem *m, const view_wish *wish, const double at[2], j
 
 /* ---- Of one volume ---- */
 
+/* What is told of a point of the volume that is selected. */
+static void describe_sample(json_t *out, const leafcast *volume, const leafcast_sample *s,
+                            uint32_t field) {
+    json_object_set_new(out, "gradient", vector(s->gradient));
+    set_cell(out, volume, 0, s->cell);
+    json_object_set_new(out, "field", json_integer(field));
+}
+
+/* Describe the value that is seen without a surface, and where: of a mean, nowhere. */
+static status describe_through(json_t *out, const view_wish *wish, const pixel_ray *r,
+                               bool somewhere) {
+    leafcast_sample sample;
+    double point[3];
+    uint32_t field;
+    for (int a = 0; a < 3; a++)
+        point[a] = r->origin[a] + r->through.t * r->direction[a];
+    status st = view_options_field(&wish->view, wish->volume, &field);
+    if (st == ST_OK && somewhere)
+        st = (status)leafcast_probe_point(wish->volume, point, &sample);
+    if (st != ST_OK)
+        return st;
+    json_object_set_new(out, "point", vector(point));
+    json_object_set_new(out, "t", cli_json_real(r->through.t));
+    json_object_set_new(out, "value", cli_json_real(r->through.value));
+    json_object_set_new(out, "through", json_string(somewhere ? "point" : "ray"));
+    if (somewhere && sample.inside)
+        describe_sample(out, wish->volume, &sample, field);
+    return ST_OK;
+}
+
 static status pick_pixel(mem *m, const view_wish *wish, const double at[2], json_t **answer) {
-    leafcast_hit hit;
-    int count = 0;
+    pixel_ray r = {.count = 0};
     view_wish *copy = mem_zalloc(m, sizeof *copy);
     if (!copy)
         return ST_NOMEM;
     view_wish_copy(copy, wish);
-    const status st = first_hit(m, copy, at, &hit, &count);
+    status st = look_along(m, copy, at, &r);
     if (st == ST_OK) {
-        *answer = json_pack("{s:s,s:b}", "type", "picked", "hit", count > 0);
-        if (count > 0)
-            describe_hit(*answer, &copy->view, copy->volume, &hit);
+        *answer = json_pack("{s:s,s:b}", "type", "picked", "hit", r.count > 0 || r.through.any);
+        if (r.count > 0)
+            describe_hit(*answer, &copy->view, copy->volume, &r.hit);
+        else if (r.through.any)
+            st = describe_through(*answer, copy, &r,
+                                  copy->view.scene.project != LEAFCAST_PROJECT_MEAN);
+        if (st != ST_OK) {
+            json_decref(*answer);
+            *answer = NULL;
+        }
     }
     view_wish_release(copy);
     mem_free(m, copy);
@@ -175,9 +238,7 @@ static status pick_point(const view_wish *wish, const double point[3], json_t **
     if (!sample.inside)
         return ST_OK;
     json_object_set_new(*answer, "value", cli_json_real(sample.value));
-    json_object_set_new(*answer, "gradient", vector(sample.gradient));
-    set_cell(*answer, wish->volume, 0, sample.cell);
-    json_object_set_new(*answer, "field", json_integer(field));
+    describe_sample(*answer, wish->volume, &sample, field);
     return ST_OK;
 }
 

@@ -115,6 +115,44 @@ def opened(b):
     b.open(url_of_grid)
 
 
+def through(b):
+    """Values are told where no surface is drawn, and where the pointer rests."""
+    b.choose("Show", "max")
+    b.rest()
+    ok("maximum: its surfaces are not ticked", b.js("""const e = document.querySelector("[aria-label='Surface 1 on']");
+        return e.disabled && !e.checked""") and "iso" not in b.flags())
+    for mode in ("max", "mean", "media"):
+        b.choose("Show", mode)
+        b.rest()
+        b.hands().move_to_element(b.canvas).click().perform()
+        ok(f"{mode}: a click tells the value", b.until("return leafcast.pick.points.length === 1") and
+           "value: " in b.js("return leafcast.pick.text") and
+           ("gradient: " in b.js("return leafcast.pick.text")) == (mode != "mean"))
+        b.js("leafcast.pick.clear()")
+        b.hands().move_by_offset(12, 9).perform()
+        ok(f"{mode}: so does a pointer that rests", b.until("return document.getElementById('under').textContent !== ''"))
+    b.choose("Show", "max")
+    b.rest()
+    width, height, data = rgb(b.pixels())
+    ok("maximum: the ground is that of least", data[:3] == bytes(3) and data[-3:] == bytes(3) and len(set(data)) > 20)
+    same(b, "maximum on its ground")
+    flags = b.flags()
+    b.js("leafcast.adopt(arguments[0])", flags)
+    b.rest()
+    ok("maximum: its ground is nobody's choice", b.flags() == flags and b.js("return leafcast.model.light.background") is None)
+    b.choose("Show", "off")
+    b.rest()
+    ok("surfaces are back", "iso" in b.flags() and b.js("return leafcast.model.surfaces[0].on") and "background" not in b.flags())
+    b.click("slices-toggle")
+    b.until("return leafcast.slices.panes[2].head?.exact")
+    b.hands().move_to_element(b.js("return leafcast.slices.panes[2].canvas")).perform()
+    b.js("document.getElementById('under').textContent = ''")
+    b.hands().move_by_offset(5, 3).perform()
+    ok("slices: a pointer that rests", b.until("return document.getElementById('under').textContent !== ''"))
+    b.click("slices-toggle")
+    b.rest()
+
+
 def slices(b):
     """Grey, with window and level, lines that are seen."""
     b.click("slices-toggle")
@@ -157,7 +195,7 @@ def slices(b):
     b.rest()
 
 
-def main(parts=("focus", "units", "second", "opened", "slices", "address")):
+def main(parts=("focus", "units", "second", "opened", "through", "slices", "address")):
     global url_of_grid
     s = Server([leafcast, "view", folder + "/g.leaf"])
     url_of_grid = s.url

@@ -3,7 +3,7 @@
 
 A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
 """
-import json, os, random, select, shutil, signal, subprocess, time, urllib.parse
+import json, os, random, select, shutil, signal, struct, subprocess, time, urllib.parse
 
 from view_client import Closed, Page, Server, ends, ok, png_pixels
 from view_states import (ENDLESS, folder, GRID, H, leafcast, MEDIUM, MESH, picture_of, refused, rendered, SEED,
@@ -204,6 +204,29 @@ def points(page):
     ok("what is no point is refused, by its id", good == 9)
 
 
+def projected(s):
+    """What is picked of a projection is what render draws there."""
+    page = Page(s)
+    camera = {"eye": [110, 90, 80], "look-at": [24, 20, 22], "fov": 30}
+    for number, project in enumerate(("max", "min", "mean", "first=150"), 20):
+        state = dict(camera, project=project)
+        page.view(number, state, W, H)
+        page.final()
+        rendered(state)
+        subprocess.run([leafcast, "render", GRID, "--state", folder + "/state.json", "--size", f"{W}x{H}", "--value-f64",
+                        folder + "/value.f64", "--force", "-q"], check=True)
+        values = struct.unpack(f"<{W * H}d", open(folder + "/value.f64", "rb").read())
+        wrong, seen = 0, 0
+        for i in range(12):
+            x, y = random.randrange(W // 3, 2 * W // 3), random.randrange(H // 3, 2 * H // 3)
+            page.send({"type": "pick", "number": number, "id": i, "x": x + 0.5, "y": y + 0.5})
+            got, want = page.text("picked"), values[y * W + x]
+            seen += got["hit"]
+            wrong += got["hit"] != (want == want) or (got["hit"] and abs(got["value"] - want) > 1e-5 * abs(want))
+        ok(f"{project}: picks are what render draws ({wrong} of {seen} wrong)", wrong == 0 and seen > 3)
+    page.close()
+
+
 def picks(s):
     page = Page(s)
     page.view(1, SURFACE, W, H)
@@ -226,7 +249,9 @@ def picks(s):
     points(page)
     page.send({"type": "view", "number": 2, "state": MEDIUM, "width": W, "height": H, "moving": False})
     page.send({"type": "pick", "number": 2, "id": 99, "x": 80, "y": 60})
-    ok("a medium has no surface", page.text("picked")["hit"] is False)
+    got = page.text("picked")
+    ok("a medium tells the value that is seen most", got["hit"] and 0 < got["value"] < 255 and got["through"] == "point" and
+       len(got["gradient"]) == 3 and "surface" not in got)
     page.send({"type": "open", "file": 1})
     mesh = page.text("volume")
     ok("another file", mesh["kind"] == "mesh" and mesh["which"] == 1 and len(mesh["steps"]) == 2)
@@ -530,7 +555,7 @@ def ending():
 
 def main():
     s = serve(GRID, MESH)
-    for test in (pages, sockets, files, large, superseded, unseen, waiting, picks, states, limits, several):
+    for test in (pages, sockets, files, large, superseded, unseen, waiting, picks, projected, states, limits, several):
         test(s)
     changed()
     fuzz(s, 200 if WATCHED else 2000)

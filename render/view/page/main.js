@@ -33,13 +33,13 @@ class App {
     this.scene = new Scene(this);
     this.surfaces = new Surfaces(this);
     this.media = new Volume(this);
+    this.pick = new Pick(this);
     this.slices = new Slices(this);
     this.clip = new Clip(this);
     this.light = new Light(this);
     this.annotate = new Annotate(this);
     this.bar = new ColourBar(this);
     this.data = new Data(this);
-    this.pick = new Pick(this);
     this.honesty = new Honesty(this);
     this.save = new Save(this);
     this.movie = new Movie(this);
@@ -297,6 +297,7 @@ class App {
       clicked: event => this.pick.at(this.pixel(event)),
       pivot: event => this.pivot(this.pixel(event)),
     });
+    this.pick.hover(canvas, event => this.pixel(event));
     canvas.addEventListener("keydown", event => {
       if (event.ctrlKey || event.metaKey || event.altKey || !this.model) return;
       const key = event.key.toLowerCase();

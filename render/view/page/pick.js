@@ -4,6 +4,7 @@ import {project} from "./camera.js";
 import {lengthUnit, valueUnit} from "./state.js";
 import {length, sub} from "./vector.js";
 
+const HOVER_MS = 150;
 const NS = "http://www.w3.org/2000/svg";
 
 export class Pick {
@@ -22,10 +23,25 @@ export class Pick {
     this.past = [...this.past.slice(-1), this.points];
     const answer = await this.app.link.pick(place);
     if (!answer || turn !== this.turn) return;
-    if (!answer.hit) return this.app.say(answer.why ?? (place.point ? "This is outside."
-      : `There is no surface here.${this.app.volume.surface ? "" : " Slices tell values anywhere."}`), true);
+    if (!answer.hit) return this.app.say(answer.why ?? (place.point ? "This is outside." : "There is nothing here."), true);
     this.points = [...this.points.slice(-1), this.pointOf(answer, place)];
     this.show();
+  }
+
+  // What is under a pointer that rests, while no button is down, is told in the line below the picture.
+  hover(canvas, placeOf) {
+    const quiet = () => { clearTimeout(this.resting); byId("under").textContent = ""; };
+    canvas.addEventListener("pointerleave", quiet);
+    canvas.addEventListener("pointerdown", quiet);
+    canvas.addEventListener("pointermove", event => {
+      quiet();
+      if (event.buttons || event.pointerType === "touch") return;
+      this.resting = setTimeout(async () => {
+        const place = this.app.model && placeOf(event), mine = this.resting, hit = place && await this.app.link.pick(place);
+        if (mine !== this.resting || !hit?.hit || hit.value == null || !this.app.model) return;
+        byId("under").textContent = `${short(hit.value, 6)} ${this.units(hit).value}`.trim();
+      }, HOVER_MS);
+    });
   }
 
   // Slices are in their object's own world.
@@ -68,10 +84,10 @@ export class Pick {
     const vector = v => v.map(x => short(x, 6)).join(", "), {volume} = this.app, unit = this.units(p);
     const of = key => unit[key] ? ` ${unit[key]}` : "";
     const {cell} = volume.scene?.objects[p.object] ?? volume;
-    return [volume.scene ? ["object", volume.files[p.object]] : null, ["position", vector(p.point) + of("position")], p.value === undefined ? null : ["value", p.value == null ? "no data" : short(p.value, 8) + of("value")],
-      ["gradient", `${vector(p.gradient)}  (${short(length(p.gradient), 4)}${of("gradient")})`],
+    return [volume.scene ? ["object", volume.files[p.object]] : null, p.through === "ray" ? null : ["position", vector(p.point) + of("position")], p.value === undefined ? null : ["value", p.value == null ? "no data" : short(p.value, 8) + of("value")],
+      p.gradient == null ? null : ["gradient", `${vector(p.gradient)}  (${short(length(p.gradient), 4)}${of("gradient")})`],
       p.error_bound == null ? null : ["error bound", short(p.error_bound, 2)],
-      [cell, [p[cell]].flat().join(", ")],
+      p[cell] == null ? null : [cell, [p[cell]].flat().join(", ")],
       this.points.length === 2 ? ["distance", short(length(sub(this.points[1].point, this.points[0].point)), 7) + of("distance")] : null]
       .filter(Boolean);
   }
@@ -84,7 +100,7 @@ export class Pick {
     const lines = this.lines(p);
     // As text: numbers in full, with their units.
     const unit = this.units(p);
-    const full = {position: p.point.join(", "), value: p.value, gradient: p.gradient.join(", "), "error bound": p.error_bound,
+    const full = {position: p.point.join(", "), value: p.value, gradient: p.gradient?.join(", "), "error bound": p.error_bound,
       distance: this.points.length === 2 ? length(sub(this.points[1].point, this.points[0].point)) : null};
     this.text = lines.map(([a, b]) => full[a] == null ? `${a}: ${b}` : `${a}: ${full[a]} ${unit[a] ?? ""}`.trim()).join("\n");
     byId("card-text").replaceChildren(element("dl", {}, ...lines.flatMap(([a, b]) =>

@@ -175,6 +175,10 @@ class Pane {
       event.preventDefault();
       this.step(way, false);
     });
+    this.slices.app.pick.hover(c, event => {
+      const point = this.point(event);
+      return point && {point};
+    });
     c.addEventListener("click", event => {
       const point = this.point(event);
       if (!point) return;

@@ -10,6 +10,9 @@ export const COLOURS = ["#e3c08a", "#7fb2e5", "#8fce9b", "#e58f8f", "#c3a1e8", "
 export const UNIT_MAX = 12, SURFACES_MAX = 16, LIGHTS_MAX = 8, PLANES_MAX = 8, FOV = 35;
 const DRAWN_BY_MAX = ["max", "min", "mean", "first"];
 
+// One value a ray, and no surfaces.
+export const isProjected = v => DRAWN_BY_MAX.includes(v.mode);
+
 const rgb = text => [1, 3, 5].map(i => parseInt(text.slice(i, i + 2), 16) / 255);
 const linear = x => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4;
 const encoded = x => x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055;
@@ -71,11 +74,11 @@ function volumeOf(flags, curve) {
     first: project.startsWith("first=") ? +project.slice(6) : null};
 }
 
-function unseenOf(page) {
+function unseenOf(page, projected) {
   const given = Array.isArray(page?.surfaces) ? page.surfaces : [];
   return given.filter(s => Number.isFinite(s?.iso)).map(({iso, colour, color, opacity, on, covered}) =>
     ({iso, color: hexOf(colour ?? color, "#ffffff"), opacity: opacity > 0 && opacity <= 1 ? opacity : 1,
-      on: on === true, covered: covered === true}));
+      on: on === true && !projected, covered: covered === true || (on === true && projected)}));
 }
 
 // Of values, by their fields' names.
@@ -94,7 +97,7 @@ export function fromFlags(given, volume) {
     if (String(o).includes(":")) for (const p of String(o).split(",")) curve.push(p.split(":").map(Number));
     else opacities.push(+o);
   const isos = volume.surface ? [0] : list(flags.iso ?? flags.isovalues).flatMap(v => String(v).split(",").map(Number));
-  const background = flags.background;
+  const background = flags.project && flags.background === groundOf(flags["colour-map"], volume) ? null : flags.background;
   const field = volume.fields.findIndex((f, i) => f.name === flags.field || String(i) === String(flags.field));
   const f = volume.fields[Math.max(0, field)];
   return {
@@ -102,7 +105,7 @@ export function fromFlags(given, volume) {
     surfaces: [...isos.filter(v => volume.surface || v !== nowhere(f)).map((iso, i) =>
       ({iso, color: hexOf(colours[i] ?? COLOURS[i % COLOURS.length], "#ffffff"), opacity: opacities[i] ?? 1, on: true,
         ...reflects[i] != null && {reflect: reflects[i]}, ...refracts[i] != null && {refract: refracts[i]}})),
-      ...volume.surface ? [] : unseenOf(flags.page)].slice(0, SURFACES_MAX),
+      ...volume.surface ? [] : unseenOf(flags.page, Boolean(flags.project))].slice(0, SURFACES_MAX),
     volume: volumeOf(flags, curve),
     clip: {box: flags["clip-box"] ? numbers(flags["clip-box"]) : null,
       planes: vectors(flags["clip-plane"]).map(p => ({plane: p, on: true})),
@@ -248,10 +251,14 @@ export function flagsOfPicture(model, world, caps, legend) {
   return Object.assign(flags, annotationFlags(model.annotation), model.more);
 }
 
+// What lies around a projection unless something is said: the colour of least, which air has.
+const groundOf = (map, volume) => volume.colour_maps[map || "grey"]?.[0];
+
 export function toFlags(model, volume) {
   const projected = DRAWN_BY_MAX.includes(model.volume.mode), caps = !volume.surface && !projected &&
     model.surfaces.some(s => s.on);
-  return {...flagsOfOne(model, volume), ...flagsOfPicture(model, volume, caps, model.volume.mode !== "off")};
+  const ground = projected && !model.light.clear && !model.light.background ? {background: groundOf(model.volume.map, volume)} : {};
+  return {...ground, ...flagsOfOne(model, volume), ...flagsOfPicture(model, volume, caps, model.volume.mode !== "off")};
 }
 
 // ---- as a line for a shell ----

@@ -1,7 +1,7 @@
 // surfaces.js - the isosurfaces: a handle each on the histogram, and a line each below it.
 import {brief, byId, colour, element, short} from "./dom.js";
 import {Plot, drag} from "./histogram.js";
-import {COLOURS, SURFACES_MAX, asideOf, stepOf, valueUnit} from "./state.js";
+import {COLOURS, SURFACES_MAX, asideOf, isProjected, stepOf, valueUnit} from "./state.js";
 
 const THROUGH = 0.45; // an opacity through which others are seen
 const RAYS = 7; // a side: how many tell which surface lies within which
@@ -31,6 +31,8 @@ export class Surfaces {
     this.plot.host.append(...this.grips);
     this.rows = this.list.map((s, i) => this.row(s, i));
     this.nowhere = element("p", {class: "hint", hidden: true});
+    if (isProjected(this.app.model.volume) && this.list.length)
+      this.rows.push(element("p", {class: "hint"}, "A projection shows no surfaces."));
     byId("surfaces").replaceChildren(this.list.length ? this.head() : element("p", {class: "hint"}, "No surfaces."),
       ...this.rows, this.nowhere);
     byId("surface-add").disabled = this.list.length >= SURFACES_MAX;
@@ -98,6 +100,7 @@ export class Surfaces {
     const name = `Surface ${i + 1}`, {app} = this;
     const on = element("input", {type: "checkbox", "aria-label": `${name} on`, title: "On"});
     on.checked = s.on;
+    on.disabled = isProjected(app.model.volume);
     on.addEventListener("change", () => {
       Object.assign(s, {on: on.checked, covered: false});
       this.place(i);

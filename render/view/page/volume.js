@@ -111,19 +111,19 @@ export class Volume {
     if (mode !== "media") this.giveBack();
     if (mode !== "off") this.app.seeVolume();
     v.mode = mode;
+    this.app.surfaces.build();
     this.build();
     this.app.slices.build();
     byId("volume").querySelector("select").focus();
     this.app.changed(false);
   }
 
-  // Opaque surfaces would hide the volume; without it they are back.
+  // Opaque surfaces would hide the volume, and projections draw none; without it they are back.
   uncover(mode) {
-    const first = mode === "media" && this.v.mode !== "media";
-    for (const s of this.app.model.surfaces)
-      if (first && s.on && s.opacity === 1) Object.assign(s, {on: false, covered: true});
-      else if (mode === "off" && s.covered) Object.assign(s, {on: true, covered: false});
-    this.app.surfaces.build();
+    for (const s of this.app.model.surfaces) {
+      if (s.covered) Object.assign(s, {on: true, covered: false});
+      if (s.on && (mode === "media" ? s.opacity === 1 : mode !== "off")) Object.assign(s, {on: false, covered: true});
+    }
   }
 
   preset(preset) {
