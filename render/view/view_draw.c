@@ -13,6 +13,9 @@
 #define SLICE_S 0.030
 /* Least seconds between two maps of treelets; the last part always gets one. */
 #define MAP_S 0.2
+/* Pictures as files are drawn one after another: each takes 12 bytes a pixel and more. The next one
+ * begins when no more than so many bytes of those before it still wait for their clients. */
+enum { HELD_MAX = 64 << 20 };
 
 typedef struct pick {
     int64_t id;
@@ -36,6 +39,7 @@ struct view_seat {
     view_wish wish;   /* the newest wish */
     bool wanted;      /* drawing it has not begun */
     bool any;         /* there was a wish */
+    bool patient;     /* a file for which there was no memory: it waits until no other one is held */
     pick picks[VIEW_PICKS_MAX];
     int pick_count;
     view_residency residency;
@@ -59,6 +63,7 @@ struct view_draw {
     int skips, most; /* of refreshes, after one that failed: how many are left, and were at first */
     view_stuck *stuck; /* per file */
     uint32_t reasons;  /* that files were stuck for */
+    size_t held;       /* bytes of pictures as files that are not sent yet */
     int next;          /* the seat whose turn is next */
     view_seat seats[VIEW_SEATS_MAX];
 };
@@ -68,6 +73,7 @@ typedef struct turn {
     bool leave, begin, draw, may_send, pick, slice;
     pick picked;
     view_residency residency;
+    size_t held;
 } turn;
 
 /* ---- Messages ---- */
@@ -76,6 +82,7 @@ static void say(view_draw *d, view_seat *seat, view_message *message) {
     if (!message)
         return;
     pthread_mutex_lock(&d->lock);
+    message->held = seat->wish.file && message->binary ? message->room : 0;
     const bool full = !message->binary && seat->queue.count >= VIEW_TEXTS_MAX;
     if (seat->gone || full) {
         view_message_free(message);
@@ -83,6 +90,7 @@ static void say(view_draw *d, view_seat *seat, view_message *message) {
     } else {
         if (message->binary && !message->slice && seat->unseen_count < VIEW_UNSEEN_MAX)
             seat->unseen[seat->unseen_count++] = (sent){message->number, message->part};
+        d->held += message->held;
         view_queue_push(&seat->queue, message);
     }
     pthread_mutex_unlock(&d->lock);
@@ -101,8 +109,8 @@ static void refuse(view_draw *d, view_seat *seat, uint64_t number) {
 
 /* ---- A turn; the lock is not held ---- */
 
-static uint64_t others_bytes(const view_draw *d, const view_seat *seat) {
-    uint64_t bytes = 0;
+static uint64_t others_bytes(const view_draw *d, const view_seat *seat, size_t held) {
+    uint64_t bytes = held;
     for (int i = 0; i < VIEW_SEATS_MAX; i++) {
         if (&d->seats[i] != seat)
             bytes += view_picture_bytes(d->seats[i].picture);
@@ -145,11 +153,20 @@ static void tell_residency(view_draw *d, view_seat *seat, const view_residency *
         tell_steps(d, seat);
 }
 
+/* What is held leaves no memory for a file: it is drawn when that is sent. */
+static void wait_for_room(view_draw *d, view_seat *seat) {
+    pthread_mutex_lock(&d->lock);
+    seat->wanted = seat->patient = true;
+    pthread_mutex_unlock(&d->lock);
+}
+
 static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
     view_message *message = NULL;
     const uint64_t number = view_picture_wish(seat->picture)->number;
     const status st = view_picture_advance(seat->picture, SLICE_S, t->may_send, &message);
-    if (st != ST_OK && st != ST_STOPPED)
+    if (st == ST_NOMEM && view_picture_wish(seat->picture)->file && t->held > 0)
+        wait_for_room(d, seat);
+    else if (st != ST_OK && st != ST_STOPPED)
         refuse(d, seat, number);
     const bool any = message != NULL;
     if (!view_picture_busy(seat->picture))
@@ -159,12 +176,12 @@ static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
         tell_residency(d, seat, &t->residency);
 }
 
-static void draw_panes(view_draw *d, view_seat *seat) {
+static void draw_panes(view_draw *d, view_seat *seat, size_t held) {
     view_message *message = NULL;
     uint64_t number;
     int pane;
     const uint64_t beside =
-        others_bytes(d, seat) + view_picture_bytes(seat->picture) - view_slices_bytes(seat->slices);
+        others_bytes(d, seat, held) + view_picture_bytes(seat->picture) - view_slices_bytes(seat->slices);
     const status st = view_slices_advance(seat->slices, SLICE_S, beside, &message, &number, &pane);
     if (st != ST_OK)
         message = view_message_json(d->m, json_pack("{s:s,s:I,s:i,s:s}", "type", "refused", "slice",
@@ -185,14 +202,15 @@ static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_w
         return;
     }
     if (t->slice)
-        draw_panes(d, seat);
+        draw_panes(d, seat, t->held);
     if (t->pick) {
         tell_doing(d, VIEW_DOING_PICK, wish);
         answer_pick(d, seat, wish, &t->picked);
     }
     if (t->begin || t->draw)
         tell_doing(d, VIEW_DOING_VIEW, t->begin ? wish : view_picture_wish(seat->picture));
-    if (t->begin && view_picture_begin(seat->picture, wish, others_bytes(d, seat)) != ST_OK) {
+    if (t->begin && view_picture_begin(seat->picture, wish, others_bytes(d, seat, t->held)) !=
+                        ST_OK) {
         view_picture_stop(seat->picture);
         refuse(d, seat, wish->number);
     } else if (t->begin || t->draw) {
@@ -202,8 +220,20 @@ static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_w
 
 /* ---- Whose turn it is; the lock is held ---- */
 
+/* Whether a file has to wait until others are drawn, or sent. */
+static bool file_waits(const view_draw *d, const view_seat *seat) {
+    if (!seat->wish.file)
+        return false;
+    for (int i = 0; i < VIEW_SEATS_MAX; i++)
+        if (&d->seats[i] != seat && d->seats[i].wish.file &&
+            view_picture_busy(d->seats[i].picture))
+            return true;
+    return d->held > (seat->patient ? 0 : HELD_MAX);
+}
+
 static bool needs(const view_seat *seat, turn *t) {
     *t = (turn){.leave = seat->gone,
+                .held = seat->draw->held,
                 .may_send = seat->unseen_count < VIEW_UNSEEN_MAX,
                 .residency = seat->residency};
     if (!seat->taken)
@@ -211,7 +241,8 @@ static bool needs(const view_seat *seat, turn *t) {
     if (t->leave)
         return true;
     t->pick = seat->pick_count > 0;
-    t->begin = seat->wanted && view_picture_may_change(seat->picture) &&
+    t->begin = seat->wanted && !file_waits(seat->draw, seat) &&
+               view_picture_may_change(seat->picture) &&
                (t->may_send || view_picture_busy(seat->picture));
     t->draw = !t->begin && view_picture_busy(seat->picture) &&
               !view_picture_writes(seat->picture) &&
@@ -233,6 +264,8 @@ static view_seat *next_seat(view_draw *d, turn *t) {
 
 static void clear(view_seat *seat) {
     const size_t kept = offsetof(view_seat, taken); /* fields before are read without the lock */
+    for (const view_message *at = seat->queue.first; at; at = at->next)
+        seat->draw->held -= at->held;
     view_queue_clear(&seat->queue);
     view_wish_release(&seat->wish);
     memset((char *)seat + kept, 0, sizeof *seat - kept);
@@ -378,6 +411,16 @@ void view_draw_close(view_draw *d) {
     }
     pthread_join(d->thread, NULL);
     release(d);
+}
+
+void view_draw_sent(view_draw *d, view_message *file) {
+    if (file && d) {
+        pthread_mutex_lock(&d->lock);
+        d->held -= file->held;
+        pthread_cond_signal(&d->work);
+        pthread_mutex_unlock(&d->lock);
+    }
+    view_message_free(file);
 }
 
 void view_draw_refresh(view_draw *d) {

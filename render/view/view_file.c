@@ -17,6 +17,7 @@ struct view_file {
     void *ctx;
     pthread_t thread;
     atomic_bool stopped, is_done;
+    atomic_size_t bytes; /* of the file so far */
     /* Belongs to the thread until it is done: */
     view_message *made;
     status result;
@@ -32,7 +33,9 @@ static status put(void *ctx, const void *data, size_t size) {
     view_file *f = ctx;
     if (is_stopped(f))
         return status_describe(ST_STOPPED, "stopped");
-    return view_message_put(&f->made, data, size);
+    const status st = view_message_put(&f->made, data, size);
+    atomic_store(&f->bytes, f->made->room);
+    return st;
 }
 
 static status write_png(view_file *f, const byte_sink *to) {
@@ -103,6 +106,10 @@ status view_file_begin(mem *m, view_file_kind kind, const picture *shown, void (
 
 bool view_file_is_done(const view_file *f) {
     return atomic_load(&f->is_done);
+}
+
+size_t view_file_bytes(const view_file *f) {
+    return atomic_load(&f->bytes);
 }
 
 status view_file_take(view_file *f, view_message **out) {

@@ -28,6 +28,9 @@ CHECKED status view_file_begin(mem *m, view_file_kind kind, const picture *shown
 bool view_file_is_done(const view_file *f);
 CHECKED status view_file_take(view_file *f, view_message **out);
 
+/* view_file_bytes() - returns what the file takes so far, beside its planes. */
+size_t view_file_bytes(const view_file *f);
+
 /* view_file_end() - stop writing and forget the file, within moments; NULL is allowed. */
 void view_file_end(view_file *f);
 

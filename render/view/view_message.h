@@ -21,6 +21,7 @@ typedef struct view_message {
     uint64_t number; /* of a picture: the number of its view */
     int part;
     size_t size, room; /* bytes used and allocated */
+    size_t held;       /* what a picture as a file counts for until it is sent; else 0 */
     unsigned char *bytes;
 } view_message;
 

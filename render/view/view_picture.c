@@ -604,7 +604,7 @@ bool view_picture_may_change(const view_picture *p) {
 
 uint64_t view_picture_bytes(const view_picture *p) {
     return view_planes_bytes(&p->now) + view_planes_bytes(&p->base) +
-           (p->writing ? p->writing_bytes : 0);
+           (p->writing ? p->writing_bytes + view_file_bytes(p->writing) : 0);
 }
 
 const view_wish *view_picture_wish(const view_picture *p) {

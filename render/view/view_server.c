@@ -172,6 +172,8 @@ static int write_body(struct lws *wsi, session *now) {
         return 0;
     }
     now->body = NULL;
+    view_draw_sent(server_of(wsi)->draw, now->drawn);
+    now->drawn = NULL;
     return lws_http_transaction_completed(wsi) ? -1 : 0;
 }
 
@@ -192,7 +194,7 @@ static void end_session(view_server *s, session *now) {
         }
     view_talk_close(now->talk);
     view_draw_leave(now->seat);
-    view_message_free(now->drawn);
+    view_draw_sent(s->draw, now->drawn);
     *now = (session){0};
 }
 
@@ -552,6 +554,7 @@ void view_server_close(view_server *s) {
         at->seat = NULL;
     }
     view_draw_close(s->draw);
+    s->draw = NULL;
     if (s->context)
         lws_context_destroy(s->context);
     mem_free(s->m, s);

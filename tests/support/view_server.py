@@ -3,7 +3,7 @@
 
 A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
 """
-import json, os, random, select, shutil, signal, struct, subprocess, time, urllib.parse
+import json, os, random, re, select, shutil, signal, struct, subprocess, threading, time, urllib.parse
 
 from view_client import Closed, Page, Server, ends, ok, png_pixels
 from view_states import (ENDLESS, folder, GRID, H, leafcast, MEDIUM, MESH, picture_of, refused, rendered, SEED,
@@ -475,6 +475,44 @@ def rubbish(s, count):
     ok(f"{count} requests that are none", answered)
 
 
+def saved_at_once():
+    """Several saves at a time are drawn one after the other, each within what is left of --memory."""
+    side = (400, 300) if WATCHED else (2400, 2000)
+    size = "{}x{}".format(*side)
+
+    def save_all(s, count):
+        got = [None] * count
+        def one(i):
+            got[i] = picture_of(s, SURFACE, size=size)
+        threads = [threading.Thread(target=one, args=(i,)) for i in range(count)]
+        for t in threads:
+            t.start()
+        for t in threads:
+            t.join()
+        return got
+    s = serve(GRID, "--memory", "8M")
+    code, _, why = picture_of(s, SURFACE, size=size)
+    least = re.search(r"(\d+) bytes would do", why.decode())
+    ok(f"--memory: a picture for which there is none is refused: {why.decode()}", code == 400 and least)
+    ends(s, "without memory")
+    s = serve(GRID, "--memory", str(int(least.group(1)) + (1 << 20)))
+    alone = picture_of(s, SURFACE, size=size)
+    several = save_all(s, 4)
+    ok(f"--memory: four saves at once {[g[0] for g in several]}", alone[0] == 200 and
+       all(g[0] == 200 and g[2] == alone[2] for g in several))
+    ends(s, "after four saves")
+    if WATCHED:
+        return
+    peaks = []
+    for count in (1, 6):
+        s = serve(GRID)
+        several = save_all(s, count)
+        peaks.append(int(re.search(r"VmHWM:\s+(\d+)", open(f"/proc/{s.drawer()}/status").read()).group(1)) << 10)
+        ok(f"{count} saves", all(g[0] == 200 for g in several))
+        ends(s, f"after {count} saves")
+    ok(f"six saves at once take hardly more than one {peaks}", peaks[1] < 1.6 * peaks[0])
+
+
 def kept_token():
     """--token-file: an address that stays; files that are not to be trusted."""
     path = folder + "/token"
@@ -562,6 +600,7 @@ def main():
     rubbish(s, 30 if WATCHED else 300)
     ends(s, "after all")
     kept_token()
+    saved_at_once()
     ending()
     print("end")
 
