@@ -39,7 +39,7 @@ struct view_seat {
     view_wish wish;   /* the newest wish */
     bool wanted;      /* drawing it has not begun */
     bool any;         /* there was a wish */
-    bool patient;     /* a file for which there was no memory: it waits until no other one is held */
+    bool patient; /* a file for which there was no memory: it waits until no other one is held */
     pick picks[VIEW_PICKS_MAX];
     int pick_count;
     view_residency residency;
@@ -180,8 +180,8 @@ static void draw_panes(view_draw *d, view_seat *seat, size_t held) {
     view_message *message = NULL;
     uint64_t number;
     int pane;
-    const uint64_t beside =
-        others_bytes(d, seat, held) + view_picture_bytes(seat->picture) - view_slices_bytes(seat->slices);
+    const uint64_t beside = others_bytes(d, seat, held) + view_picture_bytes(seat->picture) -
+                            view_slices_bytes(seat->slices);
     const status st = view_slices_advance(seat->slices, SLICE_S, beside, &message, &number, &pane);
     if (st != ST_OK)
         message = view_message_json(d->m, json_pack("{s:s,s:I,s:i,s:s}", "type", "refused", "slice",
@@ -209,8 +209,8 @@ static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_w
     }
     if (t->begin || t->draw)
         tell_doing(d, VIEW_DOING_VIEW, t->begin ? wish : view_picture_wish(seat->picture));
-    if (t->begin && view_picture_begin(seat->picture, wish, others_bytes(d, seat, t->held)) !=
-                        ST_OK) {
+    if (t->begin &&
+        view_picture_begin(seat->picture, wish, others_bytes(d, seat, t->held)) != ST_OK) {
         view_picture_stop(seat->picture);
         refuse(d, seat, wish->number);
     } else if (t->begin || t->draw) {
@@ -225,8 +225,7 @@ static bool file_waits(const view_draw *d, const view_seat *seat) {
     if (!seat->wish.file)
         return false;
     for (int i = 0; i < VIEW_SEATS_MAX; i++)
-        if (&d->seats[i] != seat && d->seats[i].wish.file &&
-            view_picture_busy(d->seats[i].picture))
+        if (&d->seats[i] != seat && d->seats[i].wish.file && view_picture_busy(d->seats[i].picture))
             return true;
     return d->held > (seat->patient ? 0 : HELD_MAX);
 }

@@ -27,8 +27,8 @@ CHECKED status view_draw_open(mem *m, const view_file *files, int count, int thr
                               view_draw **out);
 void view_draw_close(view_draw *d);
 
-/* view_draw_sent() - free a picture as a file that view_seat_take() gave, or any other message: what
- * waits for its memory may be drawn. d may be NULL, when drawing has ended, and so may the
+/* view_draw_sent() - free a picture as a file that view_seat_take() gave, or any other message:
+ * what waits for its memory may be drawn. d may be NULL, when drawing has ended, and so may the
  * message. */
 void view_draw_sent(view_draw *d, view_message *file);
 

@@ -39,7 +39,8 @@ static const struct argp_option OPTIONS[] = {
      "a scene file may name files anywhere, not only in its own folder", 0},
     {"token-file", TOKEN_FILE, "FILE", 0,
      "keep the token there, so that the address stays the same when view starts again; made if "
-     "missing, for its owner alone", 0},
+     "missing, for its owner alone",
+     0},
     {"isa", ISA, "auto|scalar|sse42|avx2|avx512", CLI_EXPERIMENT,
      "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
@@ -244,8 +245,8 @@ static int supervise(view_verb *o, view_supervisor *s) {
 
 static int run(view_verb *o) {
     view_supervisor s = {.now = NULL};
-    status st = o->token_file ? view_token_keep(o->token_file, o->token)
-                              : view_access_token(o->token);
+    status st =
+        o->token_file ? view_token_keep(o->token_file, o->token) : view_access_token(o->token);
     if (st == ST_OK)
         st = view_listen(o->address, o->port, &o->listener);
     if (st == ST_OK)

@@ -90,8 +90,8 @@ status view_through_find(mem *m, leafcast *volume, const leafcast_scene *scene,
         return ST_NOMEM;
     leafcast_scene of = *scene;
     of.project = LEAFCAST_PROJECT_MAX; /* takes a scene without surfaces */
-    const status st = (status)leafcast_probe_segments(volume, &of, origin, direction, s,
-                                                      PIECES_MAX, &count);
+    const status st =
+        (status)leafcast_probe_segments(volume, &of, origin, direction, s, PIECES_MAX, &count);
     if (st == ST_OK && count > 0)
         switch (scene->project) {
         case LEAFCAST_PROJECT_MAX: find_extreme(s, count, 1.0, out); break;

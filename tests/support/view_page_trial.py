@@ -6,7 +6,7 @@ and slab.leaf, something wide and flat. A line "ok NAME" or "not NAME" for each 
 """
 import json, signal, time, urllib.parse
 
-from view_browser import DESK, Browser, folder, leafcast, rgb, run_copied, same, value
+from view_browser import DESK, PHONE, Browser, folder, leafcast, rgb, run_copied, same, value
 from view_client import Server, ok, png_pixels
 
 
@@ -153,6 +153,50 @@ def through(b):
     b.rest()
 
 
+COVERED = """const p = document.getElementById("picture").getBoundingClientRect();
+    return ["bar", "status", "card", "colour-bar"].map(id => document.getElementById(id)).filter(e => e.checkVisibility())
+      .filter(e => { const r = e.getBoundingClientRect();
+        return r.left < p.right - 1 && r.right > p.left + 1 && r.top < p.bottom - 1 && r.bottom > p.top + 1; }).map(e => e.id)"""
+INSIDE = """const l = leafcast, [low, high] = l.volume.bounds;
+    return import("./camera.js").then(m => Math.max(...[...Array(8).keys()].flatMap(k => m.project(l.model.camera, low.map((x, a) => k >> a & 1 ? high[a] : x),
+      l.screen.width / l.screen.height).map(x => Math.abs(2 * x - 1)))))"""
+
+
+def chrome(b):
+    """Nothing covers the picture, and what is written beside the box is in it."""
+    for size in (DESK, PHONE):
+        b.size(*size)
+        b.open(url_of_grid)
+        b.hands().move_to_element(b.canvas).click().perform()
+        b.until("return leafcast.pick.points.length === 1")
+        b.choose("Show", "media")
+        b.js("leafcast.model.legend = true; leafcast.changed(false)")
+        b.rest()
+        ok(f"{size}: nothing covers the picture", b.js("return !document.getElementById('card').hidden") and not b.js(COVERED))
+        b.js("leafcast.pick.clear(); leafcast.model.legend = false")
+    b.size(*DESK)
+    b.open(url_of_grid)
+    b.js("document.querySelectorAll('#annotate input[type=checkbox]')[1].click()")
+    b.rest()
+    ok("axes: with their box", b.flags()["annotate"] == "box,axes")
+    reach = b.js(INSIDE)
+    ok(f"axes: room around the box {reach}", 0.5 < reach < 0.85)
+    width, height, data = rgb(b.pixels())
+    bright = lambda i: min(data[3 * i:3 * i + 3]) > 150
+    edge = [i for y in range(height) for i in (*range(y * width, y * width + 3), *range((y + 1) * width - 3, (y + 1) * width))]
+    edge += [*range(3 * width), *range((height - 3) * width, height * width)]
+    ok("axes: no letter is cut", not any(bright(i) for i in edge))
+    same(b, "axes")
+    before = b.flags()["eye"]
+    b.hands().move_to_element(b.canvas).click_and_hold().move_by_offset(60, 20).release().perform()
+    b.rest()
+    moved = b.flags()["eye"]
+    b.js("const e = document.querySelectorAll('#annotate input[type=checkbox]')[0]; e.click(); e.click()")
+    b.rest()
+    ok("box: who has moved the camera keeps it", moved != before and b.flags()["eye"] == moved)
+    b.open(url_of_grid)
+
+
 def slices(b):
     """Grey, with window and level, lines that are seen."""
     b.click("slices-toggle")
@@ -195,7 +239,7 @@ def slices(b):
     b.rest()
 
 
-def main(parts=("focus", "units", "second", "opened", "through", "slices", "address")):
+def main(parts=("focus", "units", "second", "opened", "through", "chrome", "slices", "address")):
     global url_of_grid
     s = Server([leafcast, "view", folder + "/g.leaf"])
     url_of_grid = s.url

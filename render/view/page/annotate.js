@@ -35,13 +35,23 @@ export class Annotate {
 
   build() {
     const {app} = this, a = app.model.annotation;
-    const set = (key, value) => { a[key] = value; this.makeRoom(); app.changed(false); };
+    const set = (key, value) => {
+      a[key] = value;
+      if (key === "axes" && value && !a.box) { a.box = true; this.build(); } // values along nothing float
+      if (value && ["box", "axes"].includes(key)) app.seeVolume();
+      app.changed(false);
+    };
     byId("annotate").replaceChildren(
       ...PARTS.map(([name, label]) => check(label, {value: a[name], change: on => set(name, on)})),
       words("Title", {value: a.title, max: TEXT_MAX, change: text => set("title", text)}),
       words("Unit of length", {value: a.unit, max: UNIT_MAX, change: text => set("unit", text)}),
       element("p", {class: "hint"}, "Text is drawn when the hand rests, and saved with the picture."));
-    this.makeRoom();
+  }
+
+  // Words beside the box are in the picture, too.
+  get margin() {
+    const a = this.app.model.annotation;
+    return a.axes ? 1.35 : a.title || a.scale ? 1.15 : 1.04;
   }
 
   // The server draws the box when the hand rests; until then its edges are drawn here.
@@ -59,12 +69,5 @@ export class Annotate {
         lines.push(line);
       }
     byId("edges").replaceChildren(...lines);
-  }
-
-  // The page's own bars give way to what is written at the picture's edges.
-  makeRoom() {
-    const a = this.app.model.annotation;
-    byId("stage").classList.toggle("titled", Boolean(a.title));
-    byId("stage").classList.toggle("scaled", a.scale);
   }
 }

@@ -63,7 +63,8 @@ export function move(c, right, up, forward) {
 }
 
 // The nearest camera of this direction that has all corners of a box in its picture.
-export function fit(c, [low, high], aspect) {
+// margin: how much farther than where the corners are at the picture's edge.
+export function fit(c, [low, high], aspect, margin = 1.04) {
   const f = frame(c), middle = scale(add(low, high), 0.5), tan = Math.tan(c.fov * Math.PI / 360);
   let distance = 0;
   for (let k = 0; k < 8; k++) {
@@ -72,7 +73,7 @@ export function fit(c, [low, high], aspect) {
     distance = Math.max(distance, across / tan + (c.ortho ? 0 : dot(corner, f.back)));
   }
   c.lookAt = middle;
-  c.eye = add(middle, scale(f.back, (distance || 1) * 1.04));
+  c.eye = add(middle, scale(f.back, (distance || 1) * margin));
 }
 
 // Back, at most by a factor, until no corner of a box is beside the picture.

@@ -345,7 +345,7 @@ class App {
 
   fit() {
     const {box} = this.model.clip, bounds = box ? [box.slice(0, 3), box.slice(3)] : this.world.bounds;
-    fit(this.model.camera, bounds, this.screen.width / this.screen.height);
+    fit(this.model.camera, bounds, this.screen.width / this.screen.height, this.annotate.margin);
     this.changed(false);
   }
 
@@ -360,7 +360,11 @@ class App {
   get stands() { return JSON.stringify(this.model.camera); }
 
   // The first camera is for a surface: who has not moved it yet wants to see all of the volume.
-  seeVolume() { if (this.stands === this.home && !this.scene.told) this.fit(); }
+  seeVolume() {
+    if (this.stands !== this.home || this.scene.told) return;
+    this.fit();
+    this.home = this.stands;
+  }
 
   // What points up in the picture, and stays so in views along axes.
   raise(up) {
@@ -409,6 +413,7 @@ class App {
     byId("toggle").addEventListener("click", () => {
       const wide = document.body.classList.toggle("wide");
       byId("toggle").setAttribute("aria-expanded", !wide);
+      byId(wide ? "stage" : "panel").prepend(byId("card"));
     });
   }
 
