@@ -124,8 +124,8 @@ def bookmark(b, url):
 def pick(b):
     choose(b, 0)
     found = {}
-    for x in range(5, 100, 6):
-        for y in range(10, 100, 8):
+    for x in range(5, 100, 3):
+        for y in range(10, 100, 4):
             b.js("leafcast.pick.clear()")
             name = b.driver.execute_async_script("""const done = arguments[2], {width: w, height: h} = leafcast.screen;
                 leafcast.pick.at({x: arguments[0] * w / 100, y: arguments[1] * h / 100}).then(() => done(

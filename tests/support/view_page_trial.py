@@ -109,7 +109,7 @@ def opened(b):
         inside = [i for i in range(width * height) if data[3 * i] > 80]  # not the ground, which is dark
         across = (max(i % width for i in inside) - min(i % width for i in inside)) / width
         up = (inside[-1] // width - inside[0] // width) / height
-        ok(f"open: fills {size}: {across:.2f} across, {up:.2f} up", (0.8 if size == (1280, 500) else 0.84) < max(across, up) < 1)
+        ok(f"open: fills {size}: {across:.2f} across, {up:.2f} up", (0.75 if size == (1280, 500) else 0.83) < max(across, up) < 1)
     slab.stop(signal.SIGINT)
     b.size(*DESK)
     b.open(url_of_grid)

@@ -523,20 +523,20 @@ static void test_suggestion(void **state) {
 /* Cells of a mesh, evenly from 0 to 1, but that `far` of a thousand go on to 5, ever steeper. */
 static void make_stress(histogram *h, uint32_t far) {
     enum { CELLS = 20000 };
-    static histogram_cell cells[CELLS];
+    static histogram_cell stressed[CELLS];
     const double range[2] = {0.0, 5.0};
     for (uint32_t i = 0; i < CELLS; i++) {
         const uint32_t bulk = CELLS - CELLS / 1000 * far;
         const float v = i < bulk ? (float)i / (float)bulk
                                  : 1.0f + 4.0f * (float)(i - bulk) / (float)(CELLS - bulk);
         const float half = i < bulk ? 0.02f : 0.4f;
-        cells[i] = (histogram_cell){.value = v,
-                                    .lo = fmaxf(0.0f, v - half),
-                                    .hi = fminf(5.0f, v + half),
-                                    .slope = i < bulk ? 1.0f : 300.0f,
-                                    .area = 1.0f};
+        stressed[i] = (histogram_cell){.value = v,
+                                       .lo = fmaxf(0.0f, v - half),
+                                       .hi = fminf(5.0f, v + half),
+                                       .slope = i < bulk ? 1.0f : 300.0f,
+                                       .area = 1.0f};
     }
-    histogram_build(h, cells, CELLS, SAMPLE_F32, range, CELLS);
+    histogram_build(h, stressed, CELLS, SAMPLE_F32, range, CELLS);
 }
 
 /* What is suggested of a mesh is no corner of it: one in a hundred lies beyond, on either side. */
