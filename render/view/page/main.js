@@ -175,6 +175,7 @@ class App {
       this.unproven = foreign ? this.link.number + 1 : 0; // the first view of it
       if (first && this.volume.scene?.fitted !== false) this.widen();
       this.home = first ? this.stands : null;
+      this.seenWith = 0; // the margin with which all of the volume was shown
       this.take(this.model);
     } catch (error) {
       if (first) throw error;
@@ -354,6 +355,7 @@ class App {
     this.up = upward(this.model.camera);
     if (this.volume.scene?.fitted !== false) this.widen();
     this.home = this.stands;
+    this.seenWith = 0;
     this.changed(false);
   }
 
@@ -361,9 +363,11 @@ class App {
 
   // The first camera is for a surface: who has not moved it yet wants to see all of the volume.
   seeVolume() {
-    if (this.stands !== this.home || this.scene.told) return;
+    const {margin} = this.annotate;
+    if (this.stands !== this.home || this.seenWith === margin || this.scene.told) return;
     this.fit();
     this.home = this.stands;
+    this.seenWith = margin;
   }
 
   // What points up in the picture, and stays so in views along axes.
