@@ -189,8 +189,9 @@ class App {
 
   modelOf(state) { return this.scene.told ? this.scene.adopt(state) : fromFlags(state, this.volume); }
 
-  // What is drawn: the state.
-  get flags() { return this.scene.told ? this.scene.state() : toFlags(this.model, this.volume); }
+  // The state, which the address keeps; and what is drawn of it.
+  get kept() { return this.scene.told ? this.scene.state() : toFlags(this.model, this.volume); }
+  get flags() { return this.scene.drawn(this.kept); }
 
   // What cameras and clips are about.
   get world() { return this.scene.world; }
@@ -250,9 +251,9 @@ class App {
   changed(moving, keep = false) {
     clearTimeout(this.rest);
     if (!this.model) return 0;
-    const {flags} = this;
+    const {kept} = this, flags = this.scene.drawn(kept);
     if (moving && !keep) this.rest = setTimeout(() => this.changed(false), REST_MS);
-    if (!moving) this.remember(flags);
+    if (!moving) this.remember(kept);
     this.pick.mark();
     this.slices.update(moving);
     this.annotate.outline(moving);
@@ -262,7 +263,7 @@ class App {
     this.fov?.set(this.model.camera.fov);
     this.upChoice?.set(AXES.indexOf(this.model.camera.up.join()));
     const number = this.link.view(this.bar.drawn(flags), this.screen.width, this.screen.height, moving, this.honesty.where);
-    this.crash.ask(number, flags);
+    this.crash.ask(number, kept);
     return number;
   }
 
@@ -270,7 +271,7 @@ class App {
   sliced(moving) {
     clearTimeout(this.sliceRest);
     if (moving) this.sliceRest = setTimeout(() => this.sliced(false), REST_MS);
-    else this.remember(this.flags);
+    else this.remember(this.kept);
     this.slices.update(moving);
   }
 

@@ -3,7 +3,7 @@
 // The model is about the object that is chosen. Of all that nobody has changed the file's own words are kept: a state
 // says of the objects only what is changed, and values that no control has stay as they are.
 import {byId, element} from "./dom.js";
-import {flagsOfOne, flagsOfPicture, fromFlags, stepOf} from "./state.js";
+import {flagsOfOne, flagsOfPicture, fromFlags, hasMedium, stepOf} from "./state.js";
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
@@ -87,6 +87,18 @@ export class Scene {
       ...this.flags.has(index) && {flags: this.flags.get(index)}, ...this.pages.has(index) && {page: this.pages.get(index)}}))
       .filter(o => Object.keys(o).length > 1);
     return {...keep(this.raw, this.base.picture, this.picture(model)), ...objects.length && {objects}};
+  }
+
+  // What is drawn of a state: while an object that is shown has a medium, none refracts.
+  drawn(state) {
+    const said = new Map((state.objects ?? []).map(o => [o.index, o])), flagsOf = (o, k) => said.get(k)?.flags ?? o.flags;
+    const all = this.told?.objects ?? [], shown = k => !this.hidden.has(k);
+    if (!all.some((o, k) => shown(k) && hasMedium(flagsOf(o, k), o.surface))) return state;
+    const objects = all.flatMap((o, index) => {
+      const {refract, ...flags} = flagsOf(o, index);
+      return refract && shown(index) ? {index, ...said.get(index), flags} : said.get(index) ?? [];
+    });
+    return {...state, ...objects.length && {objects}};
   }
 
   set(k, flags) {

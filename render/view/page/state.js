@@ -220,6 +220,13 @@ function pageFlags(model, unseen) {
   return Object.keys(page).length ? {page} : {};
 }
 
+// Whether flags fill an object with a medium, beside which nothing refracts. surface: it is one itself, which they colour.
+export function hasMedium(flags, surface) {
+  const has = name => Object.keys(flags).some(key => name.test(key.replaceAll("_", "-")));
+  return !surface && !has(/^colou?r-by$/) && (has(/^(tf|colou?r-map|window|opacity-length)$/) ||
+    list(flags.opacity).some(o => String(o).includes(":")));
+}
+
 // The flags of one volume, and of projections.
 export function flagsOfOne(model, volume) {
   const flags = {}, field = volume.fields[model.data.field], on = model.surfaces.filter(s => s.on);
@@ -231,8 +238,8 @@ export function flagsOfOne(model, volume) {
     flags.colour = on.map(s => s.color);
     if (on.some(s => s.opacity < 1)) flags.opacity = on.map(s => s.opacity);
     if (on.some(s => s.reflect != null)) flags.reflect = on.map(s => String(s.reflect ?? 0));
-    if (on.some(s => s.refract != null) && on.some(s => s.opacity < 1) && model.volume.mode === "off")
-      flags.refract = on.map(s => String(s.refract ?? 1)); // else it would change nothing, or is refused
+    if (on.some(s => s.refract != null) && on.some(s => s.opacity < 1)) // else it would change nothing
+      flags.refract = on.map(s => String(s.refract ?? 1));
   } else if (!projected && model.volume.mode === "off") flags.iso = [nowhere(field)];
   volumeFlags(model.volume, volume, field, flags);
   return Object.assign(flags, pageFlags(model, model.surfaces.filter(s => projected || !s.on)));
@@ -258,7 +265,9 @@ export function toFlags(model, volume) {
   const projected = DRAWN_BY_MAX.includes(model.volume.mode), caps = !volume.surface && !projected &&
     model.surfaces.some(s => s.on);
   const ground = projected && !model.light.clear && !model.light.background ? {background: groundOf(model.volume.map, volume)} : {};
-  return {...ground, ...flagsOfOne(model, volume), ...flagsOfPicture(model, volume, caps, model.volume.mode !== "off")};
+  const {refract, ...flags} = flagsOfOne(model, volume);
+  return {...ground, ...flags, ...refract && !hasMedium(flags, volume.surface) && {refract},
+    ...flagsOfPicture(model, volume, caps, model.volume.mode !== "off")};
 }
 
 // ---- as a line for a shell ----
