@@ -32,7 +32,8 @@ cat >"$tmp/more.json" <<'J'
 J
 cat >"$tmp/glass.json" <<'J'
 {"objects": [{"file": "grid.leaf", "iso": [0.2, 0.6], "opacity": [0.5, 1], "refract": ["1.5,3", 1]},
-             {"file": "tri.leaf", "transform": {"translate": [0, 0, 40]}}]}
+             {"file": "tri.leaf", "colour": "white", "opacity": 0.5, "refract": 1.4, "transform": {"translate": [0, 0, 40]}},
+             {"file": "tets.leaf", "iso": 0.35, "transform": {"translate": [40, 0, 0]}}]}
 J
 "$leafcast" generate buckyball --tets --dims 11 --steps 2 --deform 0.4 -o "$tmp/m.mesh" -q
 "$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/m.leaf" -q

@@ -193,7 +193,60 @@ def glass(b):
     b.rest()
     ok("but where nothing is seen through it", "refract" not in objects(b)[0]["flags"])
     same(b, "no glass", True, "glass")
+    b.js("leafcast.surfaces.list[0].opacity = 0.3; leafcast.changed(false)")
+    glass_of_values(b)
+    glass_beside_media(b)
     s.stop()
+
+
+def take(b, k):
+    b.js("leafcast.scene.choose(arguments[0])", k)
+    b.until("return leafcast.model && leafcast.volume.which === arguments[0]", k)
+    b.rest()
+
+
+def sent(b):
+    """The refractions that are sent, of objects that are changed."""
+    return {o["index"]: o["flags"].get("refract") for o in b.js("return leafcast.flags.objects ?? []") if "flags" in o}
+
+
+def glass_of_values(b):
+    """A surface that values colour is no medium, and stays glass."""
+    take(b, 1)
+    b.js("leafcast.model.volume.mode = 'media'; leafcast.changed(false)")
+    b.rest()
+    ok("coloured glass stays", objects(b)[1]["flags"]["tf"] == "auto" and
+       [v.split(",")[0][:4] for v in sent(b)[1]] == ["1.39"] and sent(b)[0] == ["1.5,3", "1,3"])
+    same(b, "coloured glass", True, "glass")
+
+
+def glass_beside_media(b):
+    """While an object that is shown has a medium, none refracts, and the state keeps it for when none has."""
+    take(b, 2)
+    before, kept, shown = sent(b), {k: objects(b)[k]["flags"]["refract"] for k in (0, 1)}, rgb(b.pixels())
+    b.js("leafcast.model.volume.mode = 'media'; leafcast.changed(false)")
+    b.rest()
+    ok("beside a medium no glass is sent", sent(b) == {0: None, 1: None, 2: None})
+    ok("but kept", {k: objects(b)[k]["flags"]["refract"] for k in (0, 1)} == kept)
+    ok("and it is drawn", rgb(b.pixels()) != shown)
+    same(b, "glass beside a medium", True, "glass")
+    take(b, 0)
+    ok("whichever object is chosen", sent(b) == {0: None, 1: None, 2: None} and objects(b)[0]["flags"]["refract"] == kept[0])
+    eye(b, 2)
+    ok("of one that is hidden it is not", sent(b)[0] == before[0] and sent(b)[1] == before[1])
+    same(b, "glass beside what is hidden", True, "glass")
+    eye(b, 2)
+    take(b, 2)
+    b.js("leafcast.model.volume.mode = 'off'; leafcast.changed(false)")
+    b.rest()
+    ok("without it all is as before", sent(b) == before and rgb(b.pixels()) == shown)
+    b.js("leafcast.model.volume.mode = 'media'; leafcast.changed(false)")
+    b.rest()
+    take(b, 0)
+    b.js("location.hash = '#{\"objects\":[{\"index\":2,\"flags\":{\"iso\":[0.35],\"tf\":\"auto\"}}]}'")
+    b.rest()
+    ok("of the file's own glass, too", sent(b) == {0: None, 1: None, 2: None} and "refract" in b.js("return leafcast.scene.told.objects[0].flags"))
+    same(b, "the file's own glass beside a medium", True, "glass")
 
 
 def steps(b):
