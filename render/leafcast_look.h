@@ -299,10 +299,11 @@ typedef struct leafcast_scene {
      * refracted one by Snell's law, and the mirrored one, whose share is Fresnel's for light that
      * is not polarised; all of it where reflection is total. One that would count for 2^-12 or less
      * leaves its share to the other. Directions are by the normal that shades, or by the cell's own
-     * where that would lead to the wrong side; where both do, and where there have been `bounces`
-     * rays, what is behind is seen straight on. `layers_max` counts the surfaces on refracted rays
-     * with those before. Lights shine straight through, as without a refraction. LEAFCAST_USAGE
-     * with media: bent rays would not see them. */
+     * where that would lead to the wrong side; where both do, where there have been `bounces` rays,
+     * and where what the opacity leaves counts for 2^-12 of the pixel or less (the share in which
+     * the surface is seen, times 1 - opacity), what is behind is seen straight on. `layers_max`
+     * counts the surfaces on refracted rays with those before. Lights shine straight through, as
+     * without a refraction. LEAFCAST_USAGE with media: bent rays would not see them. */
     int bounces;
 } leafcast_scene;
 
