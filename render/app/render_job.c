@@ -150,11 +150,10 @@ void render_job_close(render_job *job) {
 
 /* ---- before anything is drawn ---- */
 
-/* Check the flags of the other volumes. Default colours continue behind those of the volume
- * before. */
-static status check_also(const render_job *job, const view_options *first) {
+/* Choose what the other volumes show, once they are open. */
+static status choose_also(const render_job *job, const view_options *first) {
     double suggested[LEAFCAST_SUGGESTIONS_MAX];
-    int painted = first->isos, count;
+    int count;
     status st = ST_OK;
     for (int i = 0; i < job->also_count && job->volume && st == ST_OK; i++) {
         view_options *v = &job->also[i].view;
@@ -167,9 +166,19 @@ static status check_also(const render_job *job, const view_options *first) {
         st = picture_scene_choose(job->also[i].volume, v, suggested, &count);
         if (st == ST_OK)
             st = picture_scene_check_used(job->also[i].volume, v);
+    }
+    return st;
+}
+
+/* Check the flags of the other volumes. Default colours continue behind those of the volume
+ * before. */
+static status check_also(const render_job *job, const view_options *first) {
+    int painted = first->isos;
+    status st = ST_OK;
+    for (int i = 0; i < job->also_count && job->volume && st == ST_OK; i++) {
+        view_options *v = &job->also[i].view;
         v->painted = painted;
-        if (st == ST_OK)
-            st = view_options_check(v);
+        st = view_options_check(v);
         painted += v->isos;
     }
     return st;
@@ -178,6 +187,8 @@ static status check_also(const render_job *job, const view_options *first) {
 /* Note in the first volume's flags what the other volumes show. */
 static void note_others(const render_job *job, view_options *first) {
     const bool projected = first->scene.project != LEAFCAST_PROJECT_NONE;
+    int reflect = first->reflect_bounces, refract = first->refract_bounces;
+    bool bends = first->refracts > 0;
     for (int i = 0; i < job->also_count; i++) {
         const view_options *v = &job->also[i].view;
         const bool filled = view_options_medium(v);
@@ -185,9 +196,11 @@ static void note_others(const render_job *job, view_options *first) {
         first->others_surfaces |= v->isos > 0 || (!filled && !projected);
         first->others_filled |= filled;
         first->others_coloured |= view_options_coloured(v);
-        if (v->scene.bounces > first->scene.bounces)
-            first->scene.bounces = v->scene.bounces;
+        reflect = v->reflect_bounces > reflect ? v->reflect_bounces : reflect;
+        refract = v->refract_bounces > refract ? v->refract_bounces : refract;
+        bends |= v->refracts > 0;
     }
+    first->scene.bounces = view_options_bounces(reflect, refract, bends);
 }
 
 /* Refuse output files for planes that the picture does not have. */
@@ -227,6 +240,8 @@ status render_job_check(const render_job *job, script_frame *frame) {
         picture_scene_choose(job->volume, &frame->view, frame->suggested, &frame->suggestions);
     if (st == ST_OK)
         st = picture_scene_check_used(job->volume, &frame->view);
+    if (st == ST_OK)
+        st = choose_also(job, &frame->view);
     note_others(job, &frame->view);
     if (st == ST_OK)
         st = view_options_check(&frame->view);

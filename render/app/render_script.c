@@ -60,8 +60,8 @@ static bool is_list(const json_t *value, const char *name) {
     if (!json_is_array(value))
         return false;
     const json_t *first = json_array_get(value, 0);
-    return json_is_array(first) || (json_is_string(first) && first) || strcmp(name, "iso") == 0 ||
-           strcmp(name, "opacity") == 0;
+    return json_is_array(first) || json_is_string(first) ||
+           cli_options_listed("iso opacity reflect refract", name);
 }
 
 status script_flag(view_options *view, const char *name, const json_t *value, const char *what) {

@@ -1,11 +1,11 @@
 #include "render/app/scene_objects.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "formats/base/cli_options.h"
 #include "render/app/colour.h"
-#include "render/app/light_options.h"
 #include "render/app/render_script.h"
 #include "render/app/scene_place.h"
 #include "render/app/scene_tiles.h"
@@ -13,7 +13,7 @@
 
 static const char OBJECT_KEYS[] = "file surfaces transform instances",
                   NESTED_KEYS[] = "scene transform instances",
-                  SURFACE_KEYS[] = "isovalue colour color opacity reflectivity refraction";
+                  SURFACE_KEYS[] = "isovalue colour color opacity reflectivity refraction bounces";
 
 enum {
     INSTANCES_MAX = 1 << 24,
@@ -40,8 +40,48 @@ typedef struct queue {
 
 /* ---- Surfaces, and places ---- */
 
-/* Read {"isovalue": 0.5, "colour": "red", "opacity": 0.4}. */
-static status read_surface(json_t *value, const char *what, leafcast_surface *s) {
+/* The numbers of a surface. Their ranges are tested before they are rounded to a float. */
+typedef struct surface_number {
+    const char *key;
+    double lo, hi;
+    size_t at;
+} surface_number;
+
+static const surface_number NUMBERS[] = {
+    {"opacity", 1e-37, 1.0, offsetof(leafcast_surface, opacity)}, /* above 0 as a float, too */
+    {"reflectivity", 0.0, 1.0, offsetof(leafcast_surface, reflectivity)},
+    {"refraction", 1.0 / LEAFCAST_REFRACTION_MOST, LEAFCAST_REFRACTION_MOST,
+     offsetof(leafcast_surface, refraction)}};
+
+static const surface_number *find_number(const char *key) {
+    for (size_t i = 0; i < sizeof NUMBERS / sizeof *NUMBERS; i++)
+        if (strcmp(key, NUMBERS[i].key) == 0)
+            return &NUMBERS[i];
+    return NULL;
+}
+
+static status read_number(const json_t *item, const surface_number *n, const char *what,
+                          leafcast_surface *s) {
+    const double number = json_number_value(item);
+    if (!json_is_number(item) || !(number >= n->lo && number <= n->hi))
+        return status_describe(ST_USAGE, "%s: \"%s\" takes a number, %g to %g", what, n->key, n->lo,
+                               n->hi);
+    const float rounded = (float)number;
+    memcpy((char *)s + n->at, &rounded, sizeof rounded);
+    return ST_OK;
+}
+
+static status read_bounces(const json_t *item, const char *what, int *bounces) {
+    const json_int_t number = json_integer_value(item);
+    if (!json_is_integer(item) || number < 1 || number > LEAFCAST_BOUNCES_MAX)
+        return status_describe(ST_USAGE, "%s: \"bounces\" takes a whole number, 1 to %d", what,
+                               LEAFCAST_BOUNCES_MAX);
+    *bounces = (int)number;
+    return ST_OK;
+}
+
+/* Read {"isovalue": 0.5, "colour": "red", "opacity": 0.4}. *bounces: 0 where none are given. */
+static status read_surface(json_t *value, const char *what, leafcast_surface *s, int *bounces) {
     const char *key;
     json_t *item;
     status st = ST_OK;
@@ -50,24 +90,13 @@ static status read_surface(json_t *value, const char *what, leafcast_surface *s)
     *s = leafcast_surface_default(json_number_value(json_object_get(value, "isovalue")));
     json_object_foreach(value, key, item) {
         char text[SCRIPT_TEXT_MAX];
-        const double number = json_number_value(item);
+        const surface_number *number = find_number(key);
         if (st != ST_OK || strcmp(key, "isovalue") == 0)
             continue;
-        if (strcmp(key, "opacity") == 0) {
-            s->opacity = (float)number;
-            if (!json_is_number(item) || !(number > 0.0 && number <= 1.0))
-                st =
-                    status_describe(ST_USAGE, "%s: \"opacity\" takes a number above 0, to 1", what);
-        } else if (strcmp(key, "reflectivity") == 0) {
-            s->reflectivity = (float)number;
-            if (!json_is_number(item) || !(number >= 0.0 && number <= 1.0))
-                st = status_describe(ST_USAGE, "%s: \"reflectivity\" takes a number, 0 to 1", what);
-        } else if (strcmp(key, "refraction") == 0) {
-            s->refraction = (float)number;
-            if (!json_is_number(item) ||
-                !(number >= 1.0 / LEAFCAST_REFRACTION_MOST && number <= LEAFCAST_REFRACTION_MOST))
-                st = status_describe(ST_USAGE, "%s: \"refraction\" takes a number, %g to %g", what,
-                                     1.0 / LEAFCAST_REFRACTION_MOST, LEAFCAST_REFRACTION_MOST);
+        if (number) {
+            st = read_number(item, number, what, s);
+        } else if (strcmp(key, "bounces") == 0) {
+            st = read_bounces(item, what, bounces);
         } else if (strcmp(key, "colour") == 0 || strcmp(key, "color") == 0) {
             st = script_text(item, what, key, text);
             if (st == ST_OK)
@@ -76,28 +105,52 @@ static status read_surface(json_t *value, const char *what, leafcast_surface *s)
             st = scene_unknown(what, key, SURFACE_KEYS, false);
         }
     }
+    if (st == ST_OK && *bounces > 0 && s->reflectivity == 0.0f && s->refraction == 0.0f)
+        st = status_describe(ST_USAGE, "%s: \"bounces\" is of \"reflectivity\" and \"refraction\"",
+                             what);
     return st;
+}
+
+/* Refuse flags about isovalues beside "surfaces", which would replace what they say. */
+static status check_beside(const scene_reading *r, int object, const view_options *v) {
+    const struct {
+        int count;
+        const char *flag, *key;
+    } flags[] = {{v->isos, "iso", "isovalue"},
+                 {v->colours, "colour", "colour"},
+                 {v->opacities, "opacity", "opacity"},
+                 {v->reflects, "reflect", "reflectivity"},
+                 {v->refracts, "refract", "refraction"}};
+    char what[SCENE_WHAT_MAX];
+    for (size_t i = 0; i < sizeof flags / sizeof *flags; i++)
+        if (flags[i].count > 0)
+            return status_describe(
+                ST_USAGE, "%s: \"%s\" beside \"surfaces\": it is \"%s\" of each of these",
+                scene_place_in(r, what, "objects[%d]", object), flags[i].flag, flags[i].key);
+    return ST_OK;
 }
 
 static status read_surfaces(const scene_reading *r, int object, const json_t *value,
                             view_options *v) {
     char what[SCENE_WHAT_MAX];
     const size_t count = json_array_size(value);
-    if (!json_is_array(value) || count == 0 || count > LEAFCAST_SURFACES_MAX || v->isos > 0)
-        return status_describe(ST_USAGE, "%s: an array of 1 to %d, instead of \"iso\"",
+    if (!json_is_array(value) || count == 0 || count > LEAFCAST_SURFACES_MAX)
+        return status_describe(ST_USAGE, "%s: an array of 1 to %d surfaces",
                                scene_place_in(r, what, "objects[%d].surfaces", object),
                                LEAFCAST_SURFACES_MAX);
-    status st = ST_OK;
-    for (size_t i = 0; i < count && st == ST_OK; i++)
+    status st = check_beside(r, object, v);
+    for (size_t i = 0; i < count && st == ST_OK; i++) {
+        const leafcast_surface *s = &v->surfaces[i];
+        int bounces = 0;
         st = read_surface(json_array_get(value, i),
                           scene_place_in(r, what, "objects[%d].surfaces[%zu]", object, i),
-                          &v->surfaces[i]);
-    v->isos = v->colours = v->opacities = v->reflects = (int)count;
-    for (size_t i = 0; i < count; i++)
-        if (v->surfaces[i].refraction > 0.0f)
+                          &v->surfaces[i], &bounces);
+        if (s->refraction > 0.0f)
             v->refracts = (int)i + 1;
-    for (size_t i = 0; i < count; i++)
-        view_options_bounce(v, v->surfaces[i].reflectivity > 0.0f, 0);
+        view_options_bounce(v, s->reflectivity > 0.0f ? (bounces > 1 ? bounces : 1) : 0,
+                            s->refraction > 0.0f ? bounces : 0);
+    }
+    v->isos = v->colours = v->opacities = v->reflects = (int)count;
     return st;
 }
 

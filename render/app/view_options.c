@@ -252,11 +252,16 @@ static int more_of(int a, int b) {
     return a > b ? a : b;
 }
 
+int view_options_bounces(int reflect, int refract, bool bends) {
+    const int bent = refract > 0 ? refract : LIGHT_OPTIONS_BENDS;
+    return more_of(reflect, bends ? bent : 0);
+}
+
 void view_options_bounce(view_options *v, int reflect, int refract) {
     v->reflect_bounces = more_of(v->reflect_bounces, reflect);
     v->refract_bounces = more_of(v->refract_bounces, refract);
-    const int bends = v->refract_bounces > 0 ? v->refract_bounces : LIGHT_OPTIONS_BENDS;
-    v->scene.bounces = more_of(v->reflect_bounces, v->refracts > 0 ? bends : 0);
+    v->scene.bounces =
+        view_options_bounces(v->reflect_bounces, v->refract_bounces, v->refracts > 0);
 }
 
 static status add_reflect(view_options *v, const char *text) {

@@ -79,8 +79,11 @@ bool view_options_of_one(int key);
 /* view_options_clear() - reset a flag as if it had not been given. */
 void view_options_clear(view_options *v, int key);
 
-/* view_options_bounce() - let reflections ask for at least so many bounces, and refractions, which
- * have LIGHT_OPTIONS_BENDS if none of them asks for any. */
+/* view_options_bounces() - returns the bounces of a picture: the most that reflections ask for, or
+ * refractions. These (bends: there are some) have LIGHT_OPTIONS_BENDS if none of them, of any
+ * object, asks for any.
+ * view_options_bounce() - let reflections and refractions ask for at least so many. */
+int view_options_bounces(int reflect, int refract, bool bends);
 void view_options_bounce(view_options *v, int reflect, int refract);
 
 /* view_options_inherit() - let a line of a script or an entry of a path start from the flags given

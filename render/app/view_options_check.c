@@ -92,7 +92,7 @@ static bool has_colours(const view_options *v) {
 }
 
 static bool has_no_medium(const view_options *v) {
-    return !view_options_any_medium(v);
+    return v->unopened || !view_options_any_medium(v); /* they may be colours of a surface */
 }
 
 static bool is_annotated(const view_options *v) {
@@ -140,7 +140,8 @@ static const flag_need NEEDS[] = {
     {AMBIENT, is_lit, "--ambient: there is no light in --shading flat"},
     {SPECULAR, is_phong, "--specular: highlights are --shading phong's"},
     {SHININESS, is_phong, "--shininess: highlights are --shading phong's"},
-    {REFRACT, is_transparent, "--refract: nothing is seen through a surface without --opacity"},
+    {REFRACT, view_options_transparent,
+     "--refract: nothing is seen through a surface without --opacity"},
     {REFRACT, has_no_medium,
      "--refract: bent rays see no media: without --tf, --colour-map and --opacity V:A"},
     {LAYERS, is_transparent, "--layers: nothing is seen behind a surface without --opacity"}};
@@ -189,16 +190,18 @@ status view_options_check_volume(const view_options *v, const leafcast *volume) 
 static status check_counts(const view_options *v) {
     const struct {
         int count;
-        const char *name;
-    } flags[] = {{v->colours, "colour"},
-                 {v->opacities, "opacity"},
-                 {v->reflects, "reflect"},
-                 {v->refracts, "refract"}};
+        const char *name, *more;
+    } flags[] = {{v->colours, "colour", ""},
+                 {v->opacities, "opacity", ""},
+                 {v->reflects, "reflect", "; bounces are in its text: \"WEIGHT,BOUNCES\""},
+                 {v->refracts, "refract", "; bounces are in its text: \"INDEX,BOUNCES\""}};
+    if (v->unopened && v->isos == 0)
+        return ST_OK; /* a surface itself needs no --iso */
     for (size_t i = 0; i < sizeof flags / sizeof *flags; i++)
         if (flags[i].count > v->isos)
             return status_describe(ST_USAGE,
-                                   "%d of --%s for %d of --iso: the k-th belongs to the k-th",
-                                   flags[i].count, flags[i].name, v->isos);
+                                   "%d of --%s for %d of --iso: the k-th belongs to the k-th%s",
+                                   flags[i].count, flags[i].name, v->isos, flags[i].more);
     return ST_OK;
 }
 

@@ -7,7 +7,6 @@
 #include "formats/base/cli_json.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
-#include "render/app/light_options.h"
 #include "render/app/scene_file.h"
 #include "render/app/view_camera.h"
 #include "render/ray/placement.h"
@@ -225,9 +224,9 @@ static void put_surfaces(json_t *out, const view_options *v) {
         snprintf(text, sizeof text, "%s,%d", num_print(s->reflectivity, weight),
                  v->reflect_bounces > 0 ? v->reflect_bounces : 1);
         json_array_append_new(reflects, json_string(text));
-        snprintf(text, sizeof text, "%s,%d",
-                 num_print(s->refraction > 0.0f ? s->refraction : 1.0, weight),
-                 v->refract_bounces > 0 ? v->refract_bounces : LIGHT_OPTIONS_BENDS);
+        num_print(s->refraction > 0.0f ? s->refraction : 1.0, weight);
+        snprintf(text, sizeof text, v->refract_bounces > 0 ? "%s,%d" : "%s", weight,
+                 v->refract_bounces); /* a default that is told would be one that is asked for */
         json_array_append_new(refracts, json_string(text));
         clear |= s->opacity < 1.0f;
         mirrors |= s->reflectivity > 0.0f;

@@ -47,6 +47,49 @@ ok "is the same" cmp "$tmp/flags.ppm" "$tmp/asked.ppm"
 scene one '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "colour": "red", "opacity": 0.5}, {"isovalue": 0.6, "colour": [0, 1, 0]}]}], '"$view, $lit}"
 draw one --and "$tmp/tets.leaf" --iso 0.35 --colour blue
 same one and
+# ---- glass ----
+# glass NAME FIRST SECOND: the grid and the mesh, with these keys besides.
+glass() {
+    scene "$1" '{"objects": [{"file": "grid.leaf", "colour": ["red", "white"], '"$2"'}, {"file": "tets.leaf", "colour": "blue", '"$3"'}], '"$view}"
+    draw "$1"
+}
+differ() { ok "$1 is another than $2" sh -c "! cmp -s '$tmp/$1.ppm' '$tmp/$2.ppm'"; }
+clear='"iso": [0.2, 0.6], "opacity": [0.3, 0.5]'
+tets='"iso": 0.35, "opacity": 0.3'
+glass four "$clear, \"refract\": [1.5, 1.2]" "$tets, \"refract\": 1.4"
+glass four-each "$clear, \"refract\": [\"1.5,4\", [1.2, 4]]" "$tets, \"refract\": \"1.4,4\""
+same four-each four
+glass one-said "$clear, \"refract\": [1.5, 1.2]" "$tets, \"refract\": \"1.4,1\""
+glass one-first "$clear, \"refract\": [\"1.5,1\", 1.2]" "$tets, \"refract\": 1.4"
+glass one-each "$clear, \"refract\": [\"1.5,1\", \"1.2,1\"]" "$tets, \"refract\": \"1.4,1\""
+same one-said one-each
+same one-first one-each
+differ one-each four
+glass beside-mirror "$clear, \"refract\": [1.5, 1.2]" "$tets, \"reflect\": \"0.3,1\""
+glass four-beside "$clear, \"refract\": [\"1.5,4\", 1.2]" "$tets, \"reflect\": \"0.3,1\""
+same beside-mirror four-beside
+scene surfaces '{"objects": [{"file": "grid.leaf", "surfaces": [
+    {"isovalue": 0.2, "colour": "red", "opacity": 0.3, "refraction": 1.5}, {"isovalue": 0.6, "colour": "white", "opacity": 0.5, "refraction": 1.2}]},
+    {"file": "tets.leaf", "surfaces": [{"isovalue": 0.35, "colour": "blue", "opacity": 0.3, "refraction": 1.4, "bounces": 1}]}], '"$view}"
+draw surfaces
+same surfaces one-each
+"$leafcast" export "$tmp/grid.leaf" --iso 0.2 -o "$tmp/s.ply" -q
+"$leafcast" convert "$tmp/s.ply" -o "$tmp/tri.leaf" -q
+exits "glass that values colour" 0 "$leafcast" render "$tmp/tri.leaf" --opacity 0.5 --refract 1.5 --tf auto --size 80x60 -q -o "$tmp/bent.ppm"
+exits "and straight" 0 "$leafcast" render "$tmp/tri.leaf" --opacity 0.5 --tf auto --size 80x60 -q -o "$tmp/straight.ppm"
+differ bent straight
+glass of-values "$clear, \"refract\": [1.5, 1.2]" "$tets"'}, {"file": "tri.leaf", "tf": "auto", "opacity": 0.5, "refract": 1.4'
+glass of-no-values "$clear, \"refract\": [1.5, 1.2]" "$tets"'}, {"file": "tri.leaf", "tf": "auto", "opacity": 0.5'
+differ of-values of-no-values
+scene mirrors '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "colour": "red", "reflectivity": 0.6, "bounces": 3}]}], '"$view}"
+scene reflect '{"objects": [{"file": "grid.leaf", "iso": 0.2, "colour": "red", "reflect": "0.6,3"}], '"$view}"
+scene shallow '{"objects": [{"file": "grid.leaf", "iso": 0.2, "colour": "red", "reflect": 0.6}], '"$view}"
+draw mirrors
+draw reflect
+draw shallow
+same mirrors reflect
+differ mirrors shallow
+
 exits "--iso beside a scene" 2 "$leafcast" render "$tmp/both.json" --iso 1 -o "$tmp/x.ppm"
 ok "is refused" says "a scene file says what is shown" err
 exits "--follow-links without one" 2 "$leafcast" render "$tmp/grid.leaf" --iso 0.2 --follow-links -o "$tmp/x.ppm"
@@ -116,10 +159,26 @@ wrong '{"objects": [{"file": "grid.leaf"}], "shadow": true}' 'the picture: there
 wrong '{"objects": [{"file": "grid.leaf"}], "iso": 0.2}' '"iso" is of one of the objects'
 wrong '{"objects": [{"file": "grid.leaf"}], "camera": {"eyes": [1,2,3]}}' 'camera: there is no "eyes"'
 wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2}, {"isovalue": "x"}]}]}' 'objects[0].surfaces[1]: a surface is'
-wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "opacity": 1.5}]}]}' '"opacity" takes a number above 0, to 1'
+wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "opacity": 1.5}]}]}' '"opacity" takes a number, 1e-37 to 1'
+wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "opacity": 1e-60}]}]}' 'objects[0].surfaces[0]: "opacity" takes a number, 1e-37 to 1'
+wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "opacity": 1.00000000001}]}]}' '"opacity" takes a number, 1e-37 to 1'
+wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "reflectivity": -1e-60}]}]}' '"reflectivity" takes a number, 0 to 1'
+wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "refraction": 4.00000001}]}]}' '"refraction" takes a number, 0.25 to 4'
+wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "refraction": 1.5, "bounces": 9}]}]}' '"bounces" takes a whole number, 1 to 8'
+wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "refraction": 1.5, "bounces": 1.5}]}]}' '"bounces" takes a whole number, 1 to 8'
+wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "bounces": 2}]}]}' 'objects[0].surfaces[0]: "bounces" is of "reflectivity" and "refraction"'
 wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "colour": "blurple"}]}]}' 'blurple'
 wrong '{"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "shine": 1}]}]}' 'objects[0].surfaces[0]: there is no "shine"'
-wrong '{"objects": [{"file": "grid.leaf", "iso": 0.2, "surfaces": [{"isovalue": 0.2}]}]}' 'objects[0].surfaces: an array of 1 to 32, instead of "iso"'
+wrong '{"objects": [{"file": "grid.leaf", "surfaces": []}]}' 'objects[0].surfaces: an array of 1 to 32 surfaces'
+for beside in '"iso": 0.2|iso|isovalue' '"color": "red"|colour|colour' '"opacity": [0.5]|opacity|opacity' \
+    '"reflect": "0.5,2"|reflect|reflectivity' '"refract": 1.5|refract|refraction'; do
+    pair=${beside%%|*} flag=${beside#*|} key=${beside##*|}
+    wrong '{"objects": [{"file": "tets.leaf", "iso": 0.3}, {"file": "grid.leaf", '"$pair"', "surfaces": [{"isovalue": 0.2}]}]}' \
+        'wrong.json: objects[1]: "'"${flag%%|*}"'" beside "surfaces": it is "'"$key"'" of each of these'
+done
+wrong '{"objects": [{"file": "grid.leaf", "iso": 0.2, "opacity": 0.5, "refract": [1.5, 2]}]}' '2 of --refract for 1 of --iso: the k-th belongs to the k-th; bounces are in its text: "INDEX,BOUNCES"'
+wrong '{"objects": [{"file": "grid.leaf", "iso": 0.2, "reflect": [0.5, 1]}]}' '2 of --reflect for 1 of --iso: the k-th belongs to the k-th; bounces are in its text: "WEIGHT,BOUNCES"'
+wrong '{"objects": [{"file": "grid.leaf", "iso": 0.2, "refract": 1.5}, {"file": "tets.leaf", "iso": 0.35, "opacity": 0.5}]}' '--refract: nothing is seen through'
 wrong '{"objects": [{"file": "grid.leaf", "transform": [1,2,3]}]}' 'objects[0].transform: a transform is 12 numbers'
 wrong '{"objects": [{"file": "grid.leaf", "transform": {"scale": 0}}]}' 'objects[0].transform: leafcast_shown.place'
 wrong '{"objects": [{"file": "grid.leaf", "transform": {"scale": [1, 1, 1e-9]}}]}' 'it flattens space'
@@ -184,7 +243,8 @@ full = {
                 "lod": 1, "preview": True, "sweep": True, "intersector": "linear", "project": None, "error": None,
                 "homogeneous": None, "medium": None, "shade-medium": None, "legend": None, "annotate": None,
                 "title": "x", "unit": None},
-    "surface": {"isovalue": 0.3, "colour": "red", "color": "red", "opacity": 0.5, "reflectivity": 0.3, "refraction": 1.5},
+    "surface": {"isovalue": 0.3, "colour": "red", "color": "red", "opacity": 0.5, "reflectivity": 0.3, "refraction": 1.5,
+                "bounces": None},
     "scene": {"scene": "one.json", "transform": {"scale": 2}, "instances": [{"scale": 1}, {"scale": 2}]},
     "tiles": {"tiles": [tile], "counts": [3, 1], "size": [9, 9], "origin": [1, 2, 3], "seed": 5, "ground": None,
               "between": [-1, 1]},
@@ -197,6 +257,7 @@ pairs = [  # those that need each other
     {"objects": [grid], "clip-plane": [1, 0, 0, -5], "caps": True},
     {"objects": [{"file": "grid.leaf", "iso": 0.2, "opacity": 0.5}], "layers": 1},
     {"objects": [{"file": "grid.leaf", "iso": [0.2, 0.4], "opacity": 0.5, "refract": ["1.5,3", 1]}]},
+    {"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.3, "reflectivity": 0.5, "bounces": 3}]}]},
     {"objects": [{"file": "grid.leaf"}], "project": "max", "legend": True},
     {"objects": [{"file": "grid.leaf", "tf": "auto"}], "error": 0.01, "homogeneous": 0.01},
     {"objects": [{"file": "grid.leaf", "tf": "auto"}], "medium": "steps=0.5"},

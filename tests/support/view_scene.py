@@ -32,6 +32,10 @@ SCENES = {
                 "size": [40, 30]},
     "mirror": {"objects": [{"file": "grid.leaf", "iso": [0.2, 0.6], "reflect": ["0.5,2", 0]}, TRI], "shading": "phong", "shininess": 9},
     "glass": {"objects": [{"file": "grid.leaf", "iso": [0.2, 0.6], "opacity": [0.2, 1], "refract": ["1.5,3", 1]}, TRI]},
+    "default": {"objects": [{"file": "grid.leaf", "iso": [0.2, 0.6], "opacity": [0.2, 0.5], "refract": [1.5, 1.2]},
+                            {**TRI, "opacity": 0.4, "refract": "1.4,1"}]},
+    "opaque": {"objects": [{"file": "grid.leaf", "surfaces": [{"isovalue": 0.2, "refraction": 1.5}, {"isovalue": 0.6, "refraction": 1.2}]},
+                           {"file": "tets.leaf", "surfaces": [{"isovalue": 0.35, "opacity": 0.5, "refraction": 1.5}]}]},
     "cut": {"objects": [GRID, TETS], "clip-box": [0, 0, 0, 60, 20, 20], "caps": "viridis", "annotate": "box,axes"},
     "by": {"objects": [{"file": "tets.leaf", "iso": 0.35, "colour-by": "grid.leaf", "window": [0, 1]}, GRID], "legend": True},
 }
@@ -86,6 +90,10 @@ def draw(name, scene):
     ok(f"{name}: render's picture", shown(page, state) == rendered(path, state))
     if name in ("eye", "ortho"):
         ok(f"{name}: of the file's own camera", shown(page, state) == rendered(path))
+    if name == "opaque":
+        ok("opaque: opaque glass is told as none", ["refract" in o["flags"] for o in told["objects"]] == [False, True])
+    if name == "default":
+        ok("default: bounces are told where they are said", [o["flags"]["refract"] for o in told["objects"]] == [["1.5", "1.2000000476837158"], ["1.399999976158142,1"]])
     # The flags that are told are those that are drawn.
     again = {**state, "objects": [{"index": i, "flags": o["flags"]} for i, o in enumerate(told["objects"])]}
     if name != "maximum":

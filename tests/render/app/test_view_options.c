@@ -102,6 +102,8 @@ static void test_bounces(void **state) {
                 {"{\"reflect\": 0.5}", 3},
                 {"{\"refract\": 1.5}", 4},
                 {"{\"refract\": [\"1.5\", \"1.3,7\"]}", 7},
+                {"{\"refract\": [[1.5, 6], 1.3]}", 6},
+                {"{\"refract\": [1.5, 2], \"reflect\": [0, 0.25]}", 4},
                 {"{\"refract\": \"1.5,2\", \"reflect\": [\"0\", \"0.5,1\"]}", 2}};
     script_frame f = start();
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -109,6 +111,11 @@ static void test_bounces(void **state) {
         assert_int_equal(view_options_check(&f.view), ST_OK);
         assert_int_equal(f.view.scene.bounces, rows[i].bounces);
     }
+    assert_int_equal(apply(&f, "{\"refract\": [1.5, 2], \"reflect\": [0, 0.25]}"), ST_OK);
+    assert_true(f.view.surfaces[0].refraction == 1.5f && f.view.surfaces[1].refraction == 2.0f);
+    assert_true(f.view.surfaces[1].reflectivity == 0.25f);
+    assert_int_equal(apply(&f, "{\"refract\": \"1.5,2\", \"reflect\": [0, 0.5]}"), ST_OK);
+    assert_int_equal(view_options_check(&f.view), ST_OK);
     assert_true(f.view.surfaces[0].refraction == 1.5f && f.view.surfaces[1].refraction == 0.0f);
     assert_true(f.view.surfaces[1].reflectivity == 0.5f);
 }
